@@ -110,6 +110,13 @@ def checked_gravity(gravity: Any) -> Gravity:
     return two_numbers('gravity', gravity, 'must be two finite numbers (x, y), or a Base')
 
 
+def required_base(base: Any) -> Base:
+    """Refuse what is no Base, as two numbers, which are a field of gravity."""
+    if not isinstance(base, Base):
+        raise InvalidParameter('base', base, 'must be a Base')
+    return base
+
+
 def two_numbers(name: str, pair: Any,
                 allowed: str = 'must be two finite numbers (x, y)') -> tuple[float, float]:
     try:

@@ -13,7 +13,7 @@ Loads take its forces as external forces of the links, :func:`applied_in`.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, KW_ONLY, replace
 from functools import cached_property
@@ -90,6 +90,8 @@ class Spring:
     is_one_way: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
+        _require_kind('first', self.first, Attachment)
+        _require_kind('second', self.second, Attachment)
         check_quantities(self)
         _require_two_links(self)
         object.__setattr__(self, 'has_length', self.free_length != 0.0 or self.preload != 0.0)
@@ -576,13 +578,12 @@ def _damped(element: Spring | TorsionSpring, n: NumberType, links: LinkMotions) 
 def links_of(elements: Sequence[Element]) -> list[str]:
     """Return the moving links that elements name."""
     # Each once, in a fixed order: a formula recorded in another process has the same lines.
-    return sorted({link for element in elements for link in element.links} - {GROUND})
+    return sorted({link for element in elements for link in element.links} - {GROUND}, key=str)
 
 
 def fitted(elements: Any, mechanism: MechanismGeometry) -> tuple[Element, ...]:
     """Return elements as they act on a mechanism; InvalidParameter for one that does not fit."""
-    if isinstance(elements, (Spring, TorsionSpring, PositionForce)):
-        elements = (elements,)
+    elements = tuple(elements) if isinstance(elements, Iterable) else (elements,)
     for element in elements:
         if not isinstance(element, (Spring, TorsionSpring, PositionForce)):
             raise InvalidParameter('elements', element, 'must be Spring, TorsionSpring or '

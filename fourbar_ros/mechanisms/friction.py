@@ -7,7 +7,7 @@ Imported for mechanisms that have friction alone.
 """
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, KW_ONLY, replace
 from math import inf
 from typing import Any, TYPE_CHECKING
@@ -108,9 +108,11 @@ Friction = tuple[tuple[str, JointFriction | DriveFriction], ...]      # (name of
 def checked_friction(reactions: Sequence[Reaction], friction: Any) -> Friction:
     """Return {joint, or 'drive': its friction} as pairs; InvalidParameter names what is wrong."""
     # reactions: of the mechanism, one at each joint.
-    if not isinstance(friction, (Mapping, Iterable)):
-        raise InvalidParameter('friction', friction, 'must be a mapping {joint: JointFriction}')
-    by_joint = dict(friction)
+    try:
+        by_joint: dict[str, Any] = dict(friction)
+    except (TypeError, ValueError):
+        raise InvalidParameter('friction', friction,
+                               'must be a mapping {joint: JointFriction}') from None
     slides = {reaction.joint: bool(reaction.couple) for reaction in reactions}
     for name, record in by_joint.items():
         if name not in slides and name != DRIVE:

@@ -300,7 +300,7 @@ class MechanismGeometry(StatedMechanism):
 
     def _check_fit(self) -> None:
         checks.check_stroke(self)
-        if self.elements:
+        if self.elements != ():
             from fourbar_ros.mechanisms.elements import fitted  # few mechanisms have any
             self._set(elements=fitted(self.elements, self))
 
@@ -316,7 +316,15 @@ class MechanismGeometry(StatedMechanism):
         return self if self.stroke is None else self._copy(stroke=None)
 
     def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
-        return replace(self, **dict(zip(self.length_names, lengths)))
+        """Return the same mechanism with other ``lengths`` [m], in the order of its own."""
+        return replace(self, **self.lengths_by_name(lengths))
+
+    def lengths_by_name(self, lengths: Sequence[Scalar]) -> dict[str, Scalar]:
+        """Return {name of a length: one of ``lengths``}, as many as the mechanism has."""
+        if len(lengths) != len(self.length_names):
+            raise InvalidParameter('lengths', tuple(lengths),
+                                   f'must be as many as {", ".join(self.length_names)}')
+        return dict(zip(self.length_names, lengths))
 
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         return self.constants._replace(lengths=tuple(lengths))
@@ -329,7 +337,9 @@ class MechanismGeometry(StatedMechanism):
 
     def with_external(self: _Self, external: External) -> _Self:
         """Return the same mechanism with other external loads, sharing ranges and traces."""
-        return self._with(external=external)
+        # a record of its own has been checked as it was made, and a node gives one each sample
+        return (self._with(external=external) if type(external) is self.EXTERNAL
+                else self.with_loads(external=external))
 
     def with_elements(self: _Self, *elements: Element) -> _Self:
         """Return the same mechanism with these springs, dampers and forces over a position."""
@@ -344,7 +354,7 @@ class MechanismGeometry(StatedMechanism):
 
     def with_base(self: _Self, base: Base) -> _Self:
         """Return the same mechanism on a body that moves, which takes the place of gravity."""
-        return self._with(gravity=checks.checked_gravity(base))
+        return self._with(gravity=checks.checked_gravity(checks.required_base(base)))
 
     def _with(self: _Self, **loads: object) -> _Self:
         """Return an unchecked copy with other loads, and with what follows from geometry alone."""

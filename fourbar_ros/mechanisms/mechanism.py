@@ -19,6 +19,7 @@ from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
 
 from fourbar_ros import errors
 from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
+from fourbar_ros.mechanisms import checks
 from fourbar_ros.mechanisms.curves import Coefficients, LinkMotion
 from fourbar_ros.mechanisms.evaluation import Constants, generated, Recorded, recorded
 from fourbar_ros.mechanisms.geometry import cached_by_lengths, MechanismGeometry
@@ -246,7 +247,7 @@ class Mechanism(MechanismGeometry):
         """
         if base is None:
             return self.step(position, rate, acceleration)[1]
-        if _are_numbers(position, rate, acceleration, *base):
+        if _are_numbers(position, rate, acceleration, *checks.required_base(base)):
             return self.with_base(base).step(position, rate, acceleration)[1]
         if self.bodies is None:
             raise errors.MissingBodies

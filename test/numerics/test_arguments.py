@@ -26,6 +26,8 @@ from fourbar_ros import (
 from fourbar_ros.dynamics.system import System
 from fourbar_ros.errors import BagError
 from fourbar_ros.extrema.find import find_extrema
+from fourbar_ros.mechanisms.curves import Point
+from fourbar_ros.mechanisms.elements import Attachment, Spring, TorsionSpring
 from fourbar_ros.mechanisms.points import point_motion
 from fourbar_ros.mechanisms.quantities import (
     known_quantities,
@@ -177,6 +179,38 @@ def test_angles_at_which_floats_are_radians_apart_are_refused(case):
 def test_shapes_that_do_not_fit_are_refused():
     with pytest.raises(InvalidParameter, match=r'^theta1, omega1, alpha1 .*broadcast'):
         FOUR_BAR.motion(np.zeros(3), np.zeros(2))
+
+
+SPRING = TorsionSpring('crank', 'ground', 5.0)
+
+
+def test_elements_are_taken_from_whatever_gives_them():
+    """A generator gave none: its elements were looked at, and gone."""
+    for elements in ((SPRING,), [SPRING], iter([SPRING])):
+        linkage = replace(FOUR_BAR, elements=elements)
+        assert linkage.elements == (SPRING,)
+    with pytest.raises(InvalidParameter, match='^elements: must be Spring'):
+        replace(FOUR_BAR, elements=None)
+
+
+@pytest.mark.parametrize(('make', 'why'), [
+    (lambda: FOUR_BAR.with_lengths([0.4, 1.2]), '^lengths = .*as many as a1, a2, a3, a4'),
+    (lambda: FOUR_BAR.with_lengths([0.4, 1.2, 0.8, 1.0, 2.0]), '^lengths = .*as many as a1'),
+    # two numbers are a field of gravity: a base has its specific force, of the other sign
+    (lambda: FOUR_BAR.with_base((0.0, 9.81)), '^base = .*must be a Base'),
+    (lambda: FOUR_BAR.loads(1.0, base=(0.0, 9.81)), '^base = .*must be a Base'),
+    (lambda: FOUR_BAR.loads([1.0], base=(0.0, 9.81)), '^base = .*must be a Base'),
+    (lambda: FOUR_BAR.with_external({'coupler': Applied()}), '^external = .*External'),
+    (lambda: FOUR_BAR.with_external(Applied()), '^external = .*External'),
+    (lambda: FOUR_BAR.with_friction(['A']), '^friction = .*must be a mapping'),
+    (lambda: Spring(Point('crank'), Attachment(), 1.0), '^first = .*of type Attachment'),
+    (lambda: Spring(Attachment('crank'), 'ground', 1.0), '^second = .*of type Attachment'),
+    (lambda: FOUR_BAR.with_elements(TorsionSpring(Attachment('crank'), Attachment(), 1.0)),
+     '^link = .*one of crank, coupler')])
+def test_other_records_are_refused_in_one_line(make, why):
+    with pytest.raises(InvalidParameter, match=why) as refused:
+        make()
+    assert '\n' not in str(refused.value)
 
 
 def test_other_functions_refuse_what_is_no_number():

@@ -261,12 +261,17 @@ def with_lengths(dyad: Dyad, lengths: dict[str, float]) -> Dyad:
 
 def by_link(name: str, records: Any, kind: type, of_links: Any, default: Any) -> Any:
     """Return the records of links, {link: record} or a tuple, as one NamedTuple ``of_links``."""
-    # Each is a kind, Body or Applied; links without one get the default. None stays None.
+    # Each is a kind, Body or Applied; links that no mapping names get the default. None stays
+    # None.
     if records is None:
         return None
+    if hasattr(records, '_asdict'):
+        records = records._asdict()
     if not isinstance(records, Mapping):
-        records = (records._asdict() if hasattr(records, '_asdict')
-                   else dict(zip(of_links._fields, records)))
+        if not isinstance(records, Sequence) or len(records) != len(of_links._fields):
+            raise InvalidParameter(name, records, f'must be a mapping {{link: {kind.__name__}}}, '
+                                   f'or as many as {", ".join(of_links._fields)}')
+        records = dict(zip(of_links._fields, records))
     for link, record in records.items():
         if link not in of_links._fields:
             raise InvalidParameter(f'{name}.{link}', None, 'there is no such link'

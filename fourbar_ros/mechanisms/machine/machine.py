@@ -166,8 +166,8 @@ class Machine(Mechanism):
                   LENGTHS=tuple([length for length, _ in description.lengths_of(self.stages)]))
         by_link = description.by_link
         self._set(bodies=by_link('bodies', self.bodies, Body, self.BODIES, NO_BODY),
-                  external=by_link('external', self.external, Applied, self.EXTERNAL,
-                                   NOT_APPLIED) or self.EXTERNAL(),
+                  external=by_link('external', self.external or {}, Applied, self.EXTERNAL,
+                                   NOT_APPLIED),
                   gravity=checks.checked_gravity(self.gravity), friction=checks.friction_of(self))
         self._require_closing()
         self._check_fit()
@@ -210,8 +210,13 @@ class Machine(Mechanism):
         return tuple([value for _, value in description.lengths_of(self.stages)])
 
     def with_lengths(self, lengths: Sequence[float]) -> Machine:
-        by_name = dict(zip(self.length_names, lengths))
-        return self._with_stages([description.with_lengths(dyad, by_name) for dyad in self.stages])
+        by_name = self.lengths_by_name(lengths)
+        # a dyad that is made again checks its lengths; whether they close the ranges tell
+        changed = self._with_stages([replace(description.with_lengths(dyad, by_name))
+                                     for dyad in self.stages])
+        changed._set(LENGTHS=tuple([
+            length for length, _ in description.lengths_of(changed.stages)]))
+        return changed
 
     def _with_stages(self, stages: Sequence[Dyad]) -> Machine:
         """Return a copy with other dyads, which are not checked."""
@@ -247,7 +252,10 @@ class Machine(Mechanism):
     def in_mode(self, mode: int) -> Machine:
         if mode == self.mode:
             return self
-        modes = [1 + ((mode - 1) >> i & 1) for i in range(len(self.stages))]
+        if mode not in range(1, 1 + (1 << len(self.stages))):
+            raise InvalidParameter('mode', mode, f'must be 1 to {1 << len(self.stages)}: '
+                                   '1 + sum (mode - 1) 2^i of the modes of its dyads')
+        modes = [1 + ((int(mode) - 1) >> i & 1) for i in range(len(self.stages))]
         return self._with_stages([replace(dyad, mode=its_mode)
                                   for dyad, its_mode in zip(self.stages, modes)])
 
@@ -414,7 +422,7 @@ class Machine(Mechanism):
                          tuple([friction for _, friction in self.friction]))
 
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
-        by_name = dict(zip(self.length_names, lengths))
+        by_name = self.lengths_by_name(lengths)
         return self.constants._replace(lengths=tuple([
             description.with_lengths(dyad, by_name).lengths for dyad in self.stages]))
 

@@ -3,7 +3,7 @@
 """Machines that cannot be: each refused in one line that names what is wrong and where."""
 from math import nan, pi
 
-from fourbar_ros import Body, FourBar, InvalidParameter
+from fourbar_ros import Body, External, FourBar, InvalidParameter
 from fourbar_ros.mechanisms.machine.description import Cylinder, Dyad, Point
 from fourbar_ros.mechanisms.machine.machine import Machine
 import pytest
@@ -124,6 +124,20 @@ MISTAKES = {
                                   'bodies.rokcer: there is no such link; did you mean rocker'),
     'a body that is none': (lambda: Machine([rrr()], bodies={'rocker': 1.0}),
                             'bodies.rocker = 1.0: must be of type Body'),
+    'fewer bodies than links': (lambda: Machine([rrr()], bodies=[Body(1.0)] * 2),
+                                'bodies = .*mapping .link: Body., or as many as crank, coupler'),
+    'more bodies than links': (lambda: Machine([rrr()], bodies=[Body(1.0)] * 4), 'bodies = '),
+    'bodies that are none': (lambda: Machine([rrr()], bodies=3), 'bodies = 3: must be a mapping'),
+    'external loads of a kind': (lambda: Machine([rrr()]).with_external(External()),
+                                 'external.output: there is no such link'),
+    'lengths that are too few': (lambda: Machine([rrr()]).with_lengths([0.4, 1.0]),
+                                 'lengths = .*as many as d.first.along, d.second.along, d.length'),
+    'a length below zero': (lambda: Machine([rrr()]).with_lengths([0.4, 1.0, -1.2, 0.8]),
+                            'dyads.d.length_1 = -1.2: a length must be a positive number'),
+    'another length of zero': (lambda: Machine([rrr()]).with_lengths([0.4, 1.0, 0.0, 0.8]),
+                         'dyads.d.length_1 = 0.0: a length must be'),
+    'mode 0': (lambda: Machine([rrr()]).in_mode(0), 'mode = 0: must be 1 to 2'),
+    'a mode beyond those of the dyads': (lambda: Machine([rrr()]).in_mode(5), 'mode = 5: must be'),
     'a name of no joint': (lambda: Machine([rrr()], joint_names={'O1': 'P'}),
                            'joint_names.O1 = .P.: there is no such joint.*base'),
     'no name of a joint': (lambda: Machine([rrr()], joint_names={'base': ''}),
@@ -149,6 +163,15 @@ def test_a_mistake_is_refused_in_one_line(name):
         make()
     assert '\n' not in str(caught.value)
     assert len(str(caught.value)) < 300
+
+
+def test_a_length_of_a_point_may_become_zero():
+    """Then it is none any more: names and lengths are still as many."""
+    machine = Machine([rrr(second=Point('ground', 1.0, 0.1))])
+    other = machine.with_lengths([0.4, 1.0, 0.0, 1.2, 0.8])
+    assert other.length_names == Machine([rrr()]).length_names
+    assert other.lengths == Machine([rrr()]).lengths
+    assert other.motion(0.5, 2.0) == Machine([rrr()]).motion(0.5, 2.0)
 
 
 def test_the_same_without_a_mistake():
