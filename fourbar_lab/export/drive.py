@@ -268,7 +268,8 @@ def _base(force: TableForce) -> str:
     """Return the C text that takes whole turns or periods off a position; '': there are none."""
     if force.middle is not None:
         middle = literal(force.middle)
-        return f'{middle} + remainder(place - {middle}, {literal(tau)})'
+        return (f'fabs(place - {middle}) <= {literal(0.5 * tau)} ? place : '
+                f'{middle} + remainder(place - {middle}, {literal(tau)})')
     if force.table.is_periodic:
         return f'wrapped(place, {literal(force.table.places[0])}, {literal(force.table.span)})'
     return ''

@@ -191,11 +191,14 @@ class TableForce:
         return self.table.slope(self._counted(s))
 
     def _counted(self, s: Any) -> Any:
+        """Return s within half a turn of the middle; such a one stays to the bit, as at a jump."""
         middle = self.middle
         if middle is None:
             return s
-        return (s - tau * np.round((s.real - middle) / tau) if isinstance(s, np.ndarray)
-                else type(s)(middle + remainder(float(s) - middle, tau)))
+        if isinstance(s, np.ndarray):
+            return s - tau * np.round((s.real - middle) / tau)
+        away = float(s) - middle
+        return s if abs(away) <= 0.5 * tau else type(s)(middle + remainder(away, tau))
 
     @cached_property
     def largest(self) -> float:
@@ -236,10 +239,8 @@ class TableForce:
 
     def piece(self, s: float) -> tuple[float, float]:
         """Return the two points of the table next to s: between them F is one polynomial."""
-        base, first = s, self.table.places[0]
-        if self.middle is not None:
-            base = self.middle + remainder(s - self.middle, tau)
-        elif self.table.is_periodic:
+        base, first = self._counted(s), self.table.places[0]
+        if self.table.is_periodic and not 0.0 <= s - first < self.table.span:
             base = first + (s - first) % self.table.span
         i, shift = bisect_right(self.ends, base), s - base
         return self.ends[i - 1] + shift, self.ends[i] + shift

@@ -134,12 +134,13 @@ class ForceTable:
 
     def _piece_at(self, x: Array) -> tuple[Sequence[Array], Array]:
         """Return the coefficients of the piece at an array x, and how far x is in it."""
-        if self.is_periodic:
-            first = self.places[0]
+        if self.is_periodic:        # in the first period x stays to the bit, as at a jump
+            away = x.real - self.places[0]
+            is_inside = (away >= 0.0) & (away < self.span)
             if np.iscomplexobj(x):      # for which there is no %
-                x = x - self.span * np.floor((x.real - first) / self.span)
+                x = np.where(is_inside, x, x - self.span * np.floor(away / self.span))
             else:
-                x = first + (x - first) % self.span
+                x = np.where(is_inside, x, self.places[0] + away % self.span)
         # column k + 1 is that of the piece from starts[k] on, column 0 that before all
         *coefficients, start = self._columns[:, np.searchsorted(self.starts, x.real, side='right')]
         return coefficients, x - start
@@ -147,8 +148,9 @@ class ForceTable:
     def _value(self, x: Any, number: Any) -> Any:
         if self.is_periodic:
             first, span = number(self.places[0]), number(self.span)
-            x = first + (x - first) % span
-            x = x + span if x < first else x             # % of decimals has the sign of x - first
+            if not 0 <= x - first < span:
+                x = first + (x - first) % span
+                x = x + span if x < first else x         # % of decimals has the sign of x - first
         piece = self.pieces[bisect_right(self.starts, x)]
         a, b, c, d, start = piece if number is float else map(number, piece)
         t = x - start

@@ -1,6 +1,7 @@
 # Copyright 2026 fourbar_ros developers
 # SPDX-License-Identifier: Apache-2.0
 """Forces over a position against virtual work, springs of the same law and quadrature."""
+from decimal import Decimal
 from math import pi, sin
 import pickle
 
@@ -458,6 +459,21 @@ def test_a_table_with_jumps_is_one_curve_on_each_side(is_linear):
         assert table(float(part[0])) == values[0]
         assert table(float(np.nextafter(part[-1], 0.0))) == pytest.approx(values[-1], abs=1e-12)
     assert table(-9.0) == of_parts[0][0] and table(9.0) == of_parts[-1][-1]
+
+
+@pytest.mark.parametrize('is_periodic', [True, False])
+def test_at_a_jump_over_an_angle_the_value_is_the_second_to_the_bit(is_periodic):
+    """Taken within a period, or half a turn of the middle, an angle was rounded to before it."""
+    rng = np.random.default_rng(5)
+    for jump in np.round(rng.uniform(-0.2, 0.2, 200), 3).tolist():
+        low, high = -0.5, -0.5 + TURN if is_periodic else round(float(rng.uniform(1.0, 2.0)), 3)
+        table = ForceTable([low, jump, jump, high], [0.0, 0.0, -500.0, 0.0], is_periodic)
+        crank = FourBar(1.0, 1.2, 0.9, 1.3, bodies=BODIES, stroke=(-0.3, 0.3)).with_elements(
+            PositionForce(Attachment('crank'), table, direction=None))
+        by_table = crank.elements[0].value
+        for x in (jump, np.array([jump]), np.array([jump + 1e-30j]), Decimal(jump)):
+            assert float(np.ravel(by_table(x))[0].real) == -500.0, jump
+        assert crank.loads(jump).driving_torque == crank.loads([jump]).driving_torque[0] == 500.0
 
 
 def test_a_jump_at_an_end_is_a_step_there():

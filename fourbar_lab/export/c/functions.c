@@ -107,10 +107,11 @@ static double power_of_two(int count, const double *lengths)
   return ldexp(1.0, exponent);
 }
 // --- wrapped
-/* A place in the first period, its rest as Python's %. */
+/* A place in the first period, where it stays, else its rest as Python's %. */
 static double wrapped(double place, double first, double period)
 {
   double rest = fmod(place - first, period);
+  if (place - first >= 0.0 && place - first < period) return place;
   if (rest < 0.0) rest = rest + period;
   return first + (rest == 0.0 ? 0.0 : rest);
 }

@@ -61,6 +61,7 @@ function value_in(pieces, starts, place) {
 }
 /** A place in a period that begins at `first`. */
 function wrapped(place, first, period) {
+  if (place - first >= 0 && place - first < period) return place;
   const rest = (place - first) % period;
   return first + (rest < 0 ? rest + period : rest);
 }
