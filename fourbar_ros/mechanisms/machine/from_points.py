@@ -8,12 +8,14 @@ import re
 from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
+from fourbar_ros.mechanisms.checks import two_numbers
 from fourbar_ros.mechanisms.curves import Point
 from fourbar_ros.mechanisms.machine.description import Dyad
 from fourbar_ros.mechanisms.machine.machine import Machine
 from fourbar_ros.mechanisms.machine.structure import BASE, CRANK_LINK
 from fourbar_ros.mechanisms.parts import CROSSED, GROUND, OPEN
 from fourbar_ros.mechanisms.points import point_motion
+from fourbar_ros.numerics.arguments import finite
 
 # Below this [rad] a dyad lies so flat in a drawing that its mode cannot be read.
 FLAT = 0.02
@@ -52,8 +54,10 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
     if len(pivots) != 1:
         raise InvalidParameter('links', tuple(links[0]) if links else None, 'the first must be '
                                'the crank, with one point of the ground')
-    origin = complex(*points[pivots[0]])
-    drawn = {name: complex(*position) - origin for name, position in points.items()}
+    places = {name: complex(*two_numbers(f'points.{name}', position))
+              for name, position in points.items()}
+    drawn = {name: position - places[pivots[0]] for name, position in places.items()}
+    slides = {name: finite(f'slides.{name}', angle) for name, angle in slides.items()}
     joints = {name: Point(GROUND, drawn[name].real, drawn[name].imag) for name in ground}
 
     def add(link: str, names: Sequence[str], first: str, end: str) -> float:
@@ -98,6 +102,13 @@ def read_drawing(points: Mapping[str, Sequence[float]], links: Sequence[Sequence
                           mode=modes.get(inner, OPEN if side > 0.0 else CROSSED), **lengths))
         ends |= {f'{inner}.first': p} | ({f'{inner}.second': q} if second else {})
         waiting = [link for link in waiting if link not in (first, second)]
+    blocks = [dyad.name for dyad in dyads if dyad.kind == 'RRP']
+    for name in slides.keys() - blocks:
+        raise InvalidParameter(f'slides.{name}', slides[name], 'no block can slide there: the '
+                               'links before it hold the point')
+    for name in modes.keys() - {dyad.name for dyad in dyads}:
+        raise InvalidParameter(f'modes.{name}', modes[name], 'is the inner pin of no dyad: '
+                               f'{", ".join(dyad.name for dyad in dyads)}')
     # The mode of a change point is that of its branch, which may have the other side where it is
     # drawn: of both modes that which has the drawn pose.
     for i, dyad in enumerate(dyads):

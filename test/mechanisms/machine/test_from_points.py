@@ -205,6 +205,11 @@ PAPER = {'A': (0, 0), 'B': (1, 2), 'C': (4, 3), 'D': (5, 0)}
     ({'ground': 'A'}, 'links = .B-C, C-D.: form no dyads'),
     ({'points': {**PAPER, 'B': (0, 0)}}, 'points = .B.: must not be where A is'),
     ({'slides': {'X': 0.0}}, 'points = .X.: there is no such point'),
+    ({'slides': {'B': 0.0}}, 'slides.B = 0.0: no block can slide there'),
+    ({'slides': {'C': '0deg'}}, 'slides.C = .0deg.: must be a finite number'),
+    ({'modes': {'B': 1}}, 'modes.B = 1: is the inner pin of no dyad: C'),
+    ({'points': {**PAPER, 'C': (4, 3, 0)}}, 'points.C = .*must be two finite numbers'),
+    ({'points': {**PAPER, 'A': (float('nan'), 0)}}, 'points.A = nan: must be'),
 ])
 def test_mistakes_are_said_by_name(changes, text):
     given = {'points': PAPER, 'links': ['AB', 'BC', 'CD'], 'ground': 'AD', **changes}
