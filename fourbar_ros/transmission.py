@@ -20,8 +20,9 @@ x is the input, y the output, r = dy/dx their ratio, r' = dr/dx, all exact from 
 
 T is the torque (force) of the drive, M the torque (force) that the output gives to what it moves,
 and T_links what masses, gravity and external loads of the links ask for. The static force map of
-robot controllers is r M alone. A branch lies between two inputs at which the output turns back (or
-the range of the input ends): each of its positions belongs to one input.
+robot controllers is r M alone. Dry friction of joints grows with M, so that (U3) does not hold:
+with it efforts are refused, but for M = 0. A branch lies between two inputs at which the output
+turns back (or the range of the input ends): each of its positions belongs to one input.
 
 Positions mean what they say: an angle counts its turns, and is never taken the short way.
 """
@@ -90,6 +91,8 @@ class Transmission:
 
     def to_input(self, wanted: Trajectory) -> Trajectory:
         """Return the drive's trajectory for a wanted output, (U1) to (U3); or CannotFollow."""
+        if wanted.effort is not None and wanted.effort.any():
+            self._require_sum_of_efforts()
         outputs = self._within_branch(wanted.position, self._output)
         inputs = self._solve(outputs)
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
@@ -112,6 +115,8 @@ class Transmission:
 
     def to_output(self, driven: Trajectory) -> Trajectory:
         """Return the output's trajectory for one of the drive, effort by (U3); or CannotFollow."""
+        if driven.effort is not None:
+            self._require_sum_of_efforts()
         inputs = self._within_branch(driven.position, self._input)
         driven_acceleration = 0.0 if driven.acceleration is None else driven.acceleration
         with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
@@ -220,6 +225,14 @@ class Transmission:
         return outputs + tau * np.round((near - outputs) / tau)
 
     # --- rates and efforts ----------------------------------------------------------------------
+
+    def _require_sum_of_efforts(self) -> None:
+        """Refuse efforts where (U3) does not hold: InvalidParameter."""
+        from fourbar_ros.mechanisms.friction import dry_joints  # few mechanisms have any
+        if dry := dry_joints(self.mechanism):
+            raise InvalidParameter('effort', None, 'must be left out, in a scene of '
+                                   f'trajectory_fields: dry friction at {", ".join(dry)} grows '
+                                   'with what the output bears')
 
     def _effort_of_links(self, position: Array, rate: Array,
                          acceleration: Array | None) -> Array:
