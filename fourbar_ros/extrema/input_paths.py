@@ -198,7 +198,8 @@ def _of_turns(singular: Array, points: int, within: tuple[float, float] | None,
     """Return the paths of full turns: a period, or between poles and ends of ``within``."""
     poles = np.unique(singular.real[singular.imag == 0.0])
     kernels = _kernels(singular[singular.imag != 0.0], points)
-    turns = np.arange(-2, 3) * (2.0 * pi)
+    count = 1 + round(period / (2.0 * pi))
+    turns = np.arange(-count, count + 1) * (2.0 * pi)
     ends = {float(x): End(float(x), PIECE)
             for x in np.add.outer(np.arange(-2, 3) * period, inner).ravel()}
     ends |= {float(x): End(float(x), POLE) for x in np.add.outer(turns, poles).ravel()}
@@ -329,7 +330,8 @@ def _spread(kernels: Kernels, bounds: tuple[float, float],
     # method to 1e-9
     half = 0.5 * (-pi + 2.0 * pi / NODES * np.arange(NODES))
     centres = kernels.centres + 2.0 * np.arctan2(kernels.tangents * np.sin(half), np.cos(half))
-    nodes = np.add.outer(np.arange(-2, 3) * (2.0 * pi), centres).ravel()
+    first, last = (round(bound / (2.0 * pi)) for bound in bounds)
+    nodes = np.add.outer(np.arange(first - 2, last + 3) * (2.0 * pi), centres).ravel()
     nodes = np.unique(np.concatenate((nodes[(nodes > bounds[0]) & (nodes < bounds[1])], bounds)))
     targets, slope = kernels.samples(nodes)
     i = np.clip(np.searchsorted(targets, t) - 1, 0, nodes.size - 2)

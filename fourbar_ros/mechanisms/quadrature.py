@@ -42,8 +42,8 @@ def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Rang
         ranges = ((-0.5 * mechanism.cycle, 0.5 * mechanism.cycle),)
     ranges = ranges or mechanism.input_ranges
     if not mechanism.is_driven_by_slide:        # flat in each turn; a cycle is one, or a few
-        turns = round(ranges[0][0] / (2.0 * pi))
-        cuts |= {x + 2.0 * pi * turn for x in cuts for turn in range(turns - 2, turns + 3)}
+        first, last = (round(end / (2.0 * pi)) for end in (ranges[0][0], ranges[-1][1]))
+        cuts |= {x + 2.0 * pi * turn for x in cuts for turn in range(first - 1, last + 2)}
     cuts |= {*ends}
     for low, high in ranges:
         inner = sorted({x for x in cuts if low < x < high})

@@ -223,6 +223,20 @@ def test_a_function_over_two_turns_is_searched_over_both():
         np.sqrt((30.0**2 + 40.0**2) / 2.0), rel=error)
 
 
+@pytest.mark.parametrize('turns', [1, 3, 4])
+def test_every_flat_position_of_some_turns_is_a_pole(turns):
+    """A parallelogram lies flat twice in each turn: of the third on poles were left out."""
+    table = ForceTable([0.0, 2.0, turns * TURN], [20.0, 50.0, 20.0], True)
+    bodies = Bodies(*(round_rod(length, 7750.0, 0.01) for length in (0.3, 1.0, 0.3)))
+    linkage = FourBar(0.3, 1.0, 0.3, 1.0, bodies=bodies).with_elements(
+        PositionForce(Attachment('output', 0.1), table, direction=0.3))
+    poles = [extremum for extremum in find_extrema(linkage, 'f32', 3.0)
+             if extremum.place == 'limit']
+    assert [pole.value for pole in poles] == [np.inf] * 4 * turns
+    assert [pole.theta1 for pole in poles] == pytest.approx(
+        np.repeat(np.arange(2 * turns) * pi, 2))
+
+
 def test_functions_of_loads_are_searched_over_both_turns():
     table = ForceTable([0.0, 3.0, 8.0, 2.0 * TURN], [0.0, 20.0, 70.0, 0.0], True)
     mechanism = massless_with(table)
