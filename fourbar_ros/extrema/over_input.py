@@ -17,6 +17,7 @@ from functools import cached_property
 from math import copysign, inf, isfinite, isinf, nan, pi, remainder, sqrt, tau
 from typing import Any, NamedTuple
 
+from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema import find
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema, SAMPLES
 from fourbar_ros.extrema.input_paths import input_paths
@@ -50,7 +51,9 @@ class OverInput:
                  acceleration: float = 0.0, within: tuple[float, float] | None = None,
                  extrema: Sequence[Extremum] | None = None) -> None:
         self._linkage, self._rates, self._within = linkage, (rate, acceleration), within
-        self._quantity, = find.resolve(quantity, linkage)
+        self._quantity, *more = find.resolve(quantity, linkage)
+        if more:
+            raise InvalidParameter('quantity', quantity, 'must be one')
         if self._quantity.is_load and within is None:
             linkage.require_cycle()
         if extrema is not None:

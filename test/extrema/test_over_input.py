@@ -4,7 +4,16 @@
 from math import asin, inf, isnan, pi, sqrt, tau
 
 from fourbar_lab.drawing.record import drive_of
-from fourbar_ros import Bodies, Body, flat_bar, FourBar, InvertedSlider, load_scene, ScotchYoke
+from fourbar_ros import (
+    Bodies,
+    Body,
+    flat_bar,
+    FourBar,
+    InvalidParameter,
+    InvertedSlider,
+    load_scene,
+    ScotchYoke,
+)
 from fourbar_ros.extrema import Extremum, find_extrema, output_ranges, OverInput
 from fourbar_ros.extrema.over_input import most_extreme
 from fourbar_ros.machine import Dyad, Machine, Point
@@ -35,6 +44,12 @@ def test_figures_of_a_yoke_are_those_of_a_sine():
         0.05e90 / sqrt(2.0), rel=64 * EPS)
     assert OverInput(ScotchYoke(0.05), 'slide_acceleration', 1e99).rms == pytest.approx(
         0.05e198 / sqrt(2.0), rel=64 * EPS)                 # its square overflows
+
+
+def test_one_quantity_is_asked_for():
+    for several in (('omega4', 'alpha4'), ()):
+        with pytest.raises(InvalidParameter, match='^quantity .*must be one'):
+            OverInput(FourBar(0.4, 1.2, 0.8, 1.0), several)
 
 
 @pytest.mark.parametrize('turn', [0, 1, -1, 10])
