@@ -491,11 +491,10 @@ class PositionForce:
     @property
     def turns(self) -> int:
         """Return after how many turns of the crank it repeats, 2 of a four-stroke; 0: never."""
-        if isinstance(self.value, UserForce):
-            return self.value.turns
-        if not self.value.table.is_periodic:
-            return 1
-        return max(1, round(self.value.table.span / tau))
+        value: TableForce | UserForce = self.value
+        if isinstance(value, UserForce):
+            return value.turns
+        return max(1, round(value.table.span / tau)) if value.table.is_periodic else 1
 
     def fitted(self, mechanism: MechanismGeometry) -> PositionForce:
         """Return the force on a mechanism: ``value`` is a TableForce or a UserForce."""

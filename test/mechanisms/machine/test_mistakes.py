@@ -135,7 +135,7 @@ MISTAKES = {
     'a length below zero': (lambda: Machine([rrr()]).with_lengths([0.4, 1.0, -1.2, 0.8]),
                             'dyads.d.length_1 = -1.2: a length must be a positive number'),
     'another length of zero': (lambda: Machine([rrr()]).with_lengths([0.4, 1.0, 0.0, 0.8]),
-                         'dyads.d.length_1 = 0.0: a length must be'),
+                               'dyads.d.length_1 = 0.0: a length must be'),
     'mode 0': (lambda: Machine([rrr()]).in_mode(0), 'mode = 0: must be 1 to 2'),
     'a mode beyond those of the dyads': (lambda: Machine([rrr()]).in_mode(5), 'mode = 5: must be'),
     'a name of no joint': (lambda: Machine([rrr()], joint_names={'O1': 'P'}),
