@@ -121,7 +121,8 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
     assert len(by_topic['/tf']) == len(by_topic['/fourbar/markers']) == 20
     markers = by_topic['/fourbar/traces'].pop().markers          # and no other
     assert not by_topic['/fourbar/traces']
-    assert {marker.ns for marker in markers} == {'path of tip', 'dead points', 'extrema'}
+    assert markers[0].action == Marker.DELETEALL        # of the scene before
+    assert {marker.ns for marker in markers[1:]} == {'path of tip', 'dead points', 'extrema'}
     path_of_tip = np.array([(p.x, p.y) for m in markers if m.ns == 'path of tip'
                             for p in m.points])
     motions = scene.linkage.motion(np.linspace(-np.pi, np.pi, len(path_of_tip)))
@@ -129,6 +130,26 @@ def test_the_bag_alone_shows_the_machine(run_node, client, tmp_path):
     assert np.abs(path_of_tip - want).max() <= 1e-12
     found = recompute(path)
     assert found.inputs == 20 and found.largest == 0.0
+
+
+def test_what_no_message_moves_any_more_is_taken_away():
+    """Arrows of the sample before stood beside a pose at a toggle, toggles of a scene before."""
+    scene = from_values({**PAPER, **RODS})
+    make, groups = made.maker(scene), scene.layout.groups
+    values = list(scene.layout.unknown)                 # loads of a toggle are NaN
+    values[groups['motion']], loads = scene.linkage.step(1.0, 1.0, 0.0)
+    at_toggle = make((2, 0), values)                    # begins with a clean sheet
+    values[groups['loads']] = loads
+    first, then = make((1, 0), values), at_toggle
+
+    def of(message, action):
+        return {(marker.ns, marker.id) for marker in message.markers if marker.action == action}
+    gone = of(then, Marker.DELETE)
+    assert gone <= of(first, Marker.ADD) and not of(first, Marker.DELETE)
+    assert len(gone) == len(diagram_of(scene.linkage, scene.linkage.motion(1.0)).forces) + 3
+    assert of(first, Marker.ADD) - gone == of(then, Marker.ADD)
+    assert len(of(then, Marker.DELETEALL)) == 1 and not of(first, Marker.DELETEALL)
+    assert made.traces(scene).markers[0].action == Marker.DELETEALL
 
 
 @pytest.mark.parametrize('name', ['paper', 'jansen', 'slider_crank'])

@@ -44,12 +44,14 @@ def maker(scene: Scene) -> Callable[[Stamp, Sequence[float]], MarkerArray | None
     """Return the function (stamp, values) -> MarkerArray, None where the pose is not known."""
     mechanism, groups = scene.linkage, scene.layout.groups
     largest: dict[str, float] = {}                       # force and moment so far
+    old = [clearing(scene)]                              # of the scene before: once
 
     def make(stamp: Stamp, values: Sequence[float]) -> MarkerArray | None:
         motion = mechanism.MOTION(*values[groups['motion']])
         if isnan(motion.transmission_angle):
             return None
-        markers = pose(scene, motion)
+        markers = [*old, *pose(scene, motion)]
+        old.clear()
         if mechanism.bodies is not None:
             loads = mechanism.LOADS(*values[groups['loads']])
             markers += arrows(scene, loads, pictures.diagram_of(mechanism, motion), largest)
@@ -84,7 +86,7 @@ def pose(scene: Scene, motion: NamedFields) -> list[Marker]:
 def arrows(scene: Scene, loads: NamedFields, diagram: pictures.Diagram, largest: dict[str, float]
            ) -> list[Marker]:
     """
-    Return the arrows of forces and moments; none at a toggle, where loads are NaN.
+    Return the arrows of forces and moments; at a toggle, where loads are NaN, those before go.
 
     ``largest``: of 'force' [N] and 'moment' [N m] so far, kept here: its arrow is the longest.
     """
@@ -101,7 +103,8 @@ def arrows(scene: Scene, loads: NamedFields, diagram: pictures.Diagram, largest:
     moments = [('shaking moment', loads.shaking_moment),
                ('driving torque', getattr(loads, 'driving_torque', 0.0))]
     if any(np.isnan(force.vector).any() for force in forces):
-        return []
+        names = [force.name for force in forces] + [name for name, _ in moments]
+        return [Marker(ns=name, action=Marker.DELETE) for name in names]
     width = 0.6 * WIDTH * size
     per_force = scale_of('force', (force.size for force in forces))
     per_moment = scale_of('moment', (abs(value) for _, value in moments))
@@ -111,6 +114,13 @@ def arrows(scene: Scene, loads: NamedFields, diagram: pictures.Diagram, largest:
     return markers + [marker(frame, name, 0, Marker.ARROW, MOMENT, scale,
                              [(0.0, 0.0), (0.0, 0.0, per_moment * value)])
                       for name, value in moments]
+
+
+def clearing(scene: Scene) -> Marker:
+    """Return what takes away all markers before it: programs keep those that no message moves."""
+    result = Marker(action=Marker.DELETEALL)
+    result.header.frame_id = scene.frame_id
+    return result
 
 
 def marker(frame: str, group: str, index: int, kind: int, colour: Colour, scale: Iterable[float],
@@ -150,7 +160,8 @@ LETTER, SPACING = 0.6, 1.5      # width of a letter and distance of lines, over 
 
 def traces(scene: Scene) -> MarkerArray:
     """Return the latched markers: paths of points, toggles, dead points and extrema."""
-    return MarkerArray(markers=[*paths(scene), *limits(scene), *extrema(scene)])
+    return MarkerArray(markers=[clearing(scene), *paths(scene), *limits(scene),
+                                *extrema(scene)])
 
 
 def paths(scene: Scene) -> Iterator[Marker]:
