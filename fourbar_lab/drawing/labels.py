@@ -175,14 +175,13 @@ def motion_lines(mechanism: Mechanism, motion: parts.NamedFields, unit: tuple[st
     return lines
 
 
-def load_lines(loads: parts.NamedFields, labels: Labels, torque: str) -> list[str]:
-    """Return lines of text: force at each joint, drive, guide, shaking; ``torque``: its symbol."""
+def load_lines(mechanism: Mechanism, loads: parts.NamedFields, labels: Labels) -> list[str]:
+    """Return lines of text: force at each joint, drive, guide, shaking."""
     lines = [f'${symbol}$ {"" if labels.are_by_links else name.replace("_", " ") + " "}'
              f'= {significant(getattr(loads, name))} N' for name, symbol in labels.forces.items()]
     values = {name: significant(value) for name, value in loads._asdict().items()}
-    lines.append(f'drive $P$ = {values["driving_force"]} N'
-                 if getattr(loads, 'driving_force', 0.0) != 0.0 else
-                 f'drive ${torque}$ = {values["driving_torque"]} N m')
+    symbol, unit = ('P', 'N') if mechanism.is_driven_by_slide else (mechanism.TORQUE, 'N m')
+    lines.append(f'drive ${symbol}$ = {values[mechanism.drive_load]} {unit}')
     if 'guide_force' in values:
         lines += [f'guide force {values["guide_force"]} N',
                   f'guide couple {values["guide_couple"]} N m']

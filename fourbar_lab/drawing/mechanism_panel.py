@@ -99,7 +99,7 @@ def draw_pose(axes: Axes, mechanism: Mechanism, motion: NamedFields, loads: Name
         sheet.scale('N', ARROW * size / longest, 0.5)
     sheet.write(motion_lines(mechanism, motion, unit))
     if loads:
-        sheet.write(load_lines(loads, labels, mechanism.TORQUE), columns=2)
+        sheet.write(load_lines(mechanism, loads, labels), columns=2)
     sheet.finish()
 
 

@@ -124,7 +124,9 @@ def _moving_joints(machine: Machine, motion: Any) -> Iterator[tuple[str, str, Po
             if GROUND not in (first, second):
                 assert dyad.length_1 is not None
                 yield name, first, point_motion(machine, motion, first, dyad.length_1)
-        elif second != GROUND:
+        elif stage.kind == 'RPP':           # the yoke, which slides at both
+            yield f'{stage.name}_second', second, point_motion(machine, motion, second, 0.0)
+        elif stage.kind != 'RPR' and second != GROUND:      # whose block has the pin first
             yield name, second, point_motion(machine, motion, second, 0.0)
 
 

@@ -8,7 +8,7 @@ from string import printable
 
 from fourbar_lab.drawing.figure import make_figure
 from fourbar_lab.drawing.labels import as_mathtext, as_written, labels_of, plain, significant
-from fourbar_lab.drawing.polygons import polygons_of, renamed
+from fourbar_lab.drawing.polygons import polygons_of, renamed, sides_of
 from fourbar_lab.drawing.sheet import nice
 from fourbar_ros import Bodies, Body, FourBar
 from fourbar_ros.mechanisms.machine.description import Dyad, Point
@@ -161,6 +161,35 @@ def test_no_two_of_many_joints_share_a_letter():
                                              (9e-7, 5e-7)])
 def test_scale_bars_are_round(value, expected):
     assert nice(value) == pytest.approx(expected, rel=1e-14)
+
+
+CRANK = {'linkage.kind': 'machine', 'linkage.dyads': ['d'], 'linkage.points.A.link': 'crank',
+         'linkage.points.A.along': 0.1, 'linkage.points.C.x': 0.3, 'linkage.points.C.y': 0.05,
+         'dyads.d.links': ['one', 'two'], 'drive.speed': 10.0}
+
+
+@pytest.mark.parametrize('dyad', [
+    {'kind': 'RPR', 'first': 'C', 'second': 'A'}, {'kind': 'RPR', 'first': 'A', 'second': 'C'},
+    {'kind': 'RRP', 'first': 'A', 'second': 'C', 'length_1': 0.3, 'direction_2': 0.2},
+    {'kind': 'RRR', 'first': 'A', 'second': 'C', 'length_1': 0.3, 'length_2': 0.2},
+    {'kind': 'RPP', 'first': 'A', 'second': 'C', 'slot': 1.2, 'direction_2': 0.2}],
+    ids=lambda dyad: f'{dyad["kind"]} at {dyad["first"]}')
+def test_velocities_have_the_letters_of_the_joints_that_have_them(dyad):
+    """Against differences of positions: a bar in a block on the ground gave its pivot V_C."""
+    machine = from_values({**CRANK, **{f'dyads.d.{name}': value
+                                       for name, value in dyad.items()}}).linkage
+    x, step, speed = 1.0, 1e-6, 10.0
+    there, before, after = (diagram_of(machine, machine.motion(at, speed)).joints
+                            for at in (x, x - step, x + step))
+    diagram = diagram_of(machine, machine.motion(x, speed))
+    letters = labels_of(diagram).letters
+    sums = sides_of(polygons_of(machine, machine.motion(x, speed))[0], letters, 1e-9)
+    velocities = {f'V_{{{letters[name]}}}': speed * (after[name] - before[name]) / (2.0 * step)
+                  for name in there}
+    moving = {label for label, velocity in velocities.items() if hypot(*velocity) > 1e-9}
+    assert {arrow.label for arrow in sums if arrow.is_sum} == moving
+    for arrow in sums:
+        assert arrow.vector == pytest.approx(velocities[arrow.label], abs=1e-9 * speed)
 
 
 BODIES = Bodies(Body(1.0, cg_along=0.1, inertia=0.01), Body(2.0, cg_along=0.2, inertia=0.02),
