@@ -12,7 +12,7 @@ from typing import NamedTuple, TYPE_CHECKING
 from fourbar_lab.drawing.cycles import cycles
 from fourbar_lab.drawing.figure import CannotDraw, make_panels, Paper, writing
 from fourbar_lab.drawing.labels import symbols_of
-from fourbar_lab.drawing.record import counted
+from fourbar_lab.drawing.record import inputs_of
 from fourbar_lab.drawing.tables import rates_in_words
 from fourbar_ros import InvalidParameter, Mechanism
 from fourbar_ros.extrema.find import CONSTANT, Extremum, find_extrema
@@ -50,7 +50,7 @@ class Curves(NamedTuple):
     units: tuple[str, ...]
     values: Array               # (columns, rows); a row of NaN between two ranges of the input
     symbols: tuple[str, ...]    # of the columns, as in pictures: mathtext
-    period: float = inf         # of an input that is an angle, in its unit
+    period: float = inf         # of an input that turns fully, in its unit
 
 
 def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: float,
@@ -116,7 +116,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     curves = _in_units(Curves(
         f'{linkage.description} at {rates}', columns,
         (coordinate.unit, *(units[name] for name in wanted)), values,
-        symbols_of(linkage, columns), linkage.cycle), shown_units)
+        symbols_of(linkage, columns), linkage.cycle if linkage.turns_fully else inf),
+        shown_units)
     if linkage.turns_fully and curves.units[0] == 'deg':
         curves.values[0] = curves.values[0].round(10)       # whole ones, for who looks up 60
     return curves
@@ -161,12 +162,13 @@ def extrema_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: fl
 
 def marks_of(linkage: Mechanism, extrema: Sequence[Extremum],
              shown_units: Mapping[str, str] = UNITS) -> list[tuple[Extremum, float, float]]:
-    """Return (extremum, input, value) of the finite ones, in the units of the curves."""
+    """Return (extremum, input, value) of the finite ones in all turns, in units of the curves."""
     def shown(value: float, unit: str) -> float:
         return float(in_unit(value, unit, shown_units.get(unit, unit)))
-    return [(extremum, shown(counted(linkage, extremum.input), linkage.input_coordinate.unit),
+    return [(extremum, shown(x, linkage.input_coordinate.unit),
              shown(extremum.value, extremum.unit))
-            for extremum in extrema if extremum.kind != CONSTANT and isfinite(extremum.value)]
+            for extremum in extrema if extremum.kind != CONSTANT and isfinite(extremum.value)
+            for x in inputs_of(linkage, extremum)]
 
 
 def _units(linkage: Mechanism, scene: Scene) -> dict[str, str]:
@@ -245,16 +247,16 @@ def make_figure(curves: Curves, marks: Sequence[tuple[Extremum, float, float]] =
     """
     Return a figure with one pair of axes for each unit, over the same input.
 
-    ``marks``: of :func:`marks_of`; angles of the input are brought into the turns that the curves
-    show. A curve with marks is cut off beyond them where it grows without bound.
+    ``marks``: of :func:`marks_of`; those in the turns that the curves show are drawn. A curve with
+    marks is cut off beyond them where it grows without bound.
     """
     curves = _going_on(curves)
     low, high = np.nanmin(curves.values[0]), np.nanmax(curves.values[0])
-    is_angle = isfinite(curves.period)
+    turns_fully = isfinite(curves.period)
     dots = [(extremum.quantity, x, value) for extremum, first, value in marks
             # on its side of a jump, so that one where a turn begins is not at both its ends
             for x in (np.arange(low + (first + 1e-9 * extremum.side - low) % curves.period,
-                                high + 0.5e-9, curves.period) if is_angle else [first])]
+                                high + 0.5e-9, curves.period) if turns_fully else [first])]
     marked = {name: [(x, value) for quantity, x, value in dots if quantity == name]
               for name in curves.names}
     inputs, *columns = curves.values

@@ -82,6 +82,18 @@ def counted(linkage: Mechanism, theta1: float) -> float:
     return min(nearest)[1]
 
 
+def inputs_of(linkage: Mechanism, extremum: Extremum) -> list[float]:
+    """Return where it is, as users count: in all turns of a cycle, as motion repeats before."""
+    first = counted(linkage, extremum.input)
+    if not linkage.turns_fully:
+        return [first]
+    drive = quantities.of_drive(linkage, linkage.input).get(extremum.quantity)
+    links = drive.links(linkage) if drive else linkage
+    is_load = drive.is_load if drive else extremum.quantity in linkage.LOADS._fields
+    period = links.cycle if is_load else links.period
+    return [first % period + turn * period for turn in range(round(linkage.cycle / period))]
+
+
 def _with_ranges(coordinate: parts.Coordinate, ranges: Intervals) -> LinkageRecord:
     return {'name': coordinate.position, 'unit': coordinate.unit,
             'ranges': [list(map(float, bounds)) for bounds in ranges]}

@@ -5,7 +5,7 @@ from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
-from math import isfinite, remainder, tau
+from math import isfinite, tau
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -14,12 +14,12 @@ from fourbar_lab.drawing.animation import animate
 from fourbar_lab.drawing.curves import extrema_of
 from fourbar_lab.drawing.cycles import usual_points
 from fourbar_lab.drawing.labels import plain
-from fourbar_lab.drawing.record import counted
+from fourbar_lab.drawing.record import counted, inputs_of
 from fourbar_lab.drawing.tables import facts
 from fourbar_lab.export.js_code import JsModule
 from fourbar_lab.live.sketch import sketch_of
 from fourbar_ros.errors import FourBarError, in_words, InvalidParameter
-from fourbar_ros.extrema.find import CONSTANT, Extremum, SIDES
+from fourbar_ros.extrema.find import CONSTANT, SIDES
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.quantities import (
     is_position,
@@ -104,7 +104,6 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     shown = [*(name for part in linkage.PARTS for name in part), 'transmission_angle',
              *(name for name, quantity in quantities.items()
                if quantity.is_load and not isinstance(quantity, OfDrive))]
-    start, is_kept = float(scene.drive.start), linkage.turns_fully or linkage.is_driven_by_slide
     return {
         'key': key, **({} if key == known else {'module': module.text}),
         'title': linkage.TITLE, 'description': linkage.description,
@@ -117,7 +116,8 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
                   'acceleration': coordinate.acceleration, 'unit': coordinate.unit},
         'ranges': ([(0.0, tau * linkage.turns)] if linkage.turns_fully else linkage.input_ranges),
         'turns': linkage.turns if linkage.turns_fully else 0,
-        'start': start if is_kept else remainder(start, tau),
+        'period': linkage.period if isfinite(linkage.period) else 0,
+        'start': counted(linkage, float(scene.drive.start)),
         'drive': linkage.drive_load, 'outputRate': output.rate,
         'links': [link.name for link in linkage.LINKS], 'size': max(map(abs, linkage.lengths)),
         'guides': [reaction.magnitude for reaction in linkage.REACTIONS if reaction.couple],
@@ -198,21 +198,12 @@ def gif_answer(scene: Scene) -> Answer:
 
 def extrema_answer(scene: Scene, names: Sequence[str], acceleration: float) -> Answer:
     """Return the extrema of quantities by name, as ``fourbar show`` finds them, and the names."""
-    linkage, quantities = scene.linkage, quantities_of(scene)
+    linkage = scene.linkage
     extrema = extrema_of(scene, linkage, list(names), float(scene.drive.speed), acceleration)
-
-    def inputs_of(extremum: Extremum) -> list[float]:
-        """Return where it is in all turns that a page shows: motion repeats before forces do."""
-        quantity, first = quantities[extremum.quantity], counted(linkage, extremum.input)
-        links = quantity.links(linkage) if isinstance(quantity, OfDrive) else linkage
-        period = links.cycle if quantity.is_load else links.period
-        return ([first + turn * period for turn in range(round(linkage.cycle / period))]
-                if linkage.turns_fully else [first])
-
     rows = [{'quantity': extremum.quantity, 'kind': extremum.kind,
              'value': extremum.value if isfinite(extremum.value) else
              str(extremum.value).replace('inf', 'Infinity'),
-             'inputs': inputs_of(extremum), 'isGlobal': extremum.is_global,
+             'inputs': inputs_of(linkage, extremum), 'isGlobal': extremum.is_global,
              'proof': extremum.proof, 'note': ' '.join(filter(None, (
                  'global' if extremum.is_global and extremum.kind != CONSTANT else '',
                  extremum.place if extremum.place != 'interior' else '', SIDES[extremum.side],

@@ -115,6 +115,22 @@ def test_inertia_and_bias_are_the_drive_less_its_acceleration(name):
     assert np.allclose((3.0 * inertia + bias)[inside], drive[inside], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.parametrize(('name', 'quantity', 'inputs'), [
+    ('chebyshev', 'transmission_angle', [36.869897646, 101.536959033]),
+    ('engine', 'slide_velocity', [74.499641711, 285.500358289])])
+def test_dots_are_at_the_ends_of_ranges_and_in_both_turns_of_a_four_stroke(name, quantity, inputs):
+    """Ends where the transmission angle is 0 and 180 had none, nor had the second turn."""
+    pytest.importorskip('matplotlib')
+    scene = load(name)
+    given = scene, scene.linkage, [quantity, 'shaking_force'], scene.drive.speed
+    figure = make_figure(curves_of(*given), marks_of(scene.linkage, extrema_of(*given)))
+    axis = next(axis for axis in figure.axes if 'force' not in axis.get_ylabel())
+    dots = axis.lines[1].get_xdata()
+    wanted = ([-x for x in inputs[::-1]] + inputs if name == 'chebyshev' else
+              inputs + [x + 360.0 for x in inputs])
+    assert sorted(dots) == pytest.approx(wanted, abs=1e-6)
+
+
 def test_a_curve_that_is_infinite_at_dead_points_is_drawn_beyond_its_extrema_and_no_farther():
     pytest.importorskip('matplotlib')
     scene = load('scotch_yoke')
