@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page of a scene as one HTML file: styles, scripts and data stand in it."""
 from collections.abc import Callable
+from decimal import Decimal
 import json
 from pathlib import Path
 import re
@@ -39,8 +40,10 @@ def page(name: str | None, scene: Scene | None, can_ask: bool = False, can_save:
     structure = structure_of(scene or load('paper'))
     answered = None if can_ask else scene       # what a server would say of it is in the file
     data = {'name': name, 'canAsk': can_ask, 'canSave': can_save, 'integers': INTEGERS,
-            'units': UNITS, 'withUnit': {name: values[name] for name in scene.with_unit}
-            if scene else {}, 'second': second and structure_of(second),
+            'units': {si: {unit: str(Decimal(size)) for unit, size in sizes.items()}
+                      for si, sizes in UNITS.items()},
+            'withUnit': {name: values[name] for name in scene.with_unit} if scene else {},
+            'second': second and structure_of(second),
             'run': _tried(run_answer, answered, RUN) if answered and answered.dynamics else None,
             'extrema': _tried(extrema_answer, answered, [*structure['quantities']], 0.0)
             if answered else None,

@@ -14,6 +14,7 @@ from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.mechanisms.picture import diagram_of
 from fourbar_ros.scene import from_values
+from fourbar_ros.scene import units as scene_units
 from fourbar_ros.scene.files import nested, shipped
 import numpy as np
 import pytest
@@ -241,6 +242,24 @@ def test_the_start_is_in_the_turn_of_the_ranges():
     scene = load_scene('slides_7_6')
     beyond = from_values({**scene.values, 'drive.start': radians(-300.0)})
     assert structure_of(beyond)['start'] == pytest.approx(radians(60.0), abs=1e-15)
+
+
+IN_SI = """
+import { readFileSync } from 'node:fs';
+const { numberOf } = await import(process.argv[2]), { units, typed } = JSON.parse(readFileSync(0));
+console.log(JSON.stringify(typed.map(([text, unit]) => numberOf(text, unit, units).value)));
+"""
+
+
+@needs_node
+def test_numbers_with_units_are_those_of_scenes_to_the_last_bit():
+    """12in was 0.30479999999999996 m on the page, and 0.7min more than 42 s."""
+    units = json.loads(re.search('id="data">(.*)</script>', pages.page(None, None))[1])['units']
+    typed = [(f'{number}{unit}', si) for si, sizes in units.items() for unit in sizes
+             for number in ('12', '-0.7', '.1', '+2.3e-3', '7.', '1e5')]
+    values = json.loads(node(IN_SI, str(LIVE / 'js/panel.js'), given=json.dumps(
+        {'units': units, 'typed': typed})))
+    assert values == [scene_units.quantity(*of) for of in typed]
 
 
 def test_the_page_is_one_file_without_addresses_of_others():

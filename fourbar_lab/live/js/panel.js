@@ -18,6 +18,11 @@ export function html(tag, properties = {}, ...children) {
   element.append(...children);
   return element;
 }
+/** A decimal number as a whole one times a power of ten: 12in is 0.3048 m to the last bit. */
+function decimalOf(text) {
+  const [, whole, share = "", power = 0] = /^([-+]?\d*)\.?(\d*)(?:e([-+]?\d+))?$/i.exec(text);
+  return { whole: BigInt(whole + share), power: power - share.length };
+}
 /** {value, hasUnit} of the number that a text means in a unit, with units as scenes have them; RangeError with words. */
 export function numberOf(text, unit, units, plainUnit = unit) {
   const trimmed = text.trim(), match = /^([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)$/.exec(trimmed);
@@ -27,9 +32,7 @@ export function numberOf(text, unit, units, plainUnit = unit) {
   const known = Object.entries(units[unit] ?? { [unit]: 1 }), wanted = spelled(match?.[2] || plainUnit);
   const size = match && known.find(([name]) => spelled(name) === wanted)?.[1];
   if (size === undefined || size === null) throw new RangeError(`must be a number in ${known.map(([name]) => name).join(", ") || "digits"}`);
-  // 40mm is 0.04 to the last bit: a decimal size moves the point
-  const power = /^1e(-?\d+)$/.exec(size), exponent = /^(.*)[eE]([-+]?\d+)$/.exec(match[1]);
-  const value = power ? Number(`${exponent?.[1] ?? match[1]}e${Number(exponent?.[2] ?? 0) + Number(power[1])}`) : Number(match[1]) * Number(size);
+  const [one, two] = [match[1], size].map(decimalOf), value = Number(`${one.whole * two.whole}e${one.power + two.power}`);
   if (!Number.isFinite(value)) throw new RangeError("must be a finite number");
   return { value, hasUnit: Boolean(match[2]) };
 }
