@@ -4,6 +4,7 @@
 from argparse import Namespace
 
 from fourbar_ros.cli.common import add_output, add_scene, add_verb, Verbs
+from fourbar_ros.errors import InvalidParameter
 
 EPILOG = """\
 examples:
@@ -39,6 +40,11 @@ def add(verbs: Verbs) -> None:
 def _live(arguments: Namespace) -> None:
     from fourbar_ros.scene.scene import load
     scene, second = (name and load(name) for name in (arguments.scene, arguments.second))
+    if scene and second:
+        one, two = (each.linkage.input_coordinate.unit for each in (scene, second))
+        if one != two:
+            raise InvalidParameter('SECOND', arguments.second, f'has an input in {two}, and SCENE '
+                                   f'in {one}: one input moves both')
     if arguments.out is None:
         from fourbar_lab.live.server import free_port, serve
         serve(arguments.scene, scene, free_port(arguments.port), not arguments.no_browser,

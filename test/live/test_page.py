@@ -554,6 +554,15 @@ def test_a_second_scene_and_the_scene_as_it_was_are_drawn_in_pale(driver, file, 
     for x1, y1, x2, y2 in tab.script(bars % 'behind'):
         assert 0 < min(x1, x2) <= max(x1, x2) < width
         assert 0 < min(y1, y2) <= max(y1, y2) < height
+    pale = "return document.querySelector('.curve .pale').getAttribute('d')"
+    without = tab.script(pale)
+    tab.script('page.store.dispatch({ view: { acceleration: 500 } })')
+    tab.until(lambda: tab.script(pale) != without, 'the torque of both at the acceleration')
+
+
+def test_one_input_does_not_move_a_crank_and_a_slide(tmp_path, capsys):
+    assert main(['live', 'paper', 'lift_table', '-o', str(tmp_path / 'two.html')]) == 1
+    assert 'one input moves both' in capsys.readouterr().err
 
 
 def test_a_run_from_torque_is_played_along_its_time_line(driver, file, address):

@@ -214,7 +214,12 @@ export async function start(data, source) {
   find("at").after(inputField, inputWords);
   // in pale: a second scene, or this one as it was written
   const pale = data.second ?? (data.structure.module && Object.keys(data.scene).length ? data.structure : null), paleModule = pale && (await moduleOf(pale.module));
-  const paleEngine = pale && new Engine(pale, paleModule, pale.values), secondOf = ({ layers }) => (layers.second ?? Boolean(data.second) ? paleEngine : null);
+  let paleEngine = null;
+  const secondOf = ({ layers, acceleration }) => {
+    if (!(layers.second ?? Boolean(data.second)) || pale?.input.unit !== structure.input.unit) return null;      // one input moves both
+    if (paleEngine?.acceleration !== acceleration) paleEngine = new Engine(pale, paleModule, pale.values, acceleration);
+    return paleEngine;
+  };
   let hasTurned = false;
   /** Where a crank turns that turned fully before, and the dyad that is stretched there. */
   const whereItTurns = engine => {
