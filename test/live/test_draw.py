@@ -141,6 +141,8 @@ const material = document.querySelector("[aria-label=material]");
 material.value = "2700";
 material.onchange()""")
     paper.until(lambda: paper.state['scene']['bodies']['rods']['density'] == 2700, 'aluminium')
+    # what is none of them is shown, not chosen: it made a density of 0
+    assert paper.script("return document.querySelector('[aria-label=material] option').disabled")
     after = paper.in_python().linkage.bodies
     for name in ('crank', 'l1', 'l2'):
         one, two = getattr(before, name), getattr(after, name)
@@ -599,6 +601,24 @@ def test_a_telescope_hangs_on_a_pin_and_the_ground(paper):
     one, two = paper.drawn('d1', 'd2').linkage.dyads
     assert two.kind == 'RPR' and two.second.link == 'ground'
     assert two.first == ('l2', one.length_2, 0.0)
+
+
+def test_a_drawn_page_without_a_server_is_that_of_its_last_numbers(paper, download):
+    """It had the formulas of the scene that the page began with, here of the paper."""
+    paper.four_bar()
+    paper.write('dyads.d1.length_2', '0.21')
+    paper.until(lambda: paper.is_answered('dyads.d1.length_2', 0.21), 'the answer')
+    caption = "return document.querySelector('#view-Facts .proof').textContent"
+    for length in (0.21, 0.23):
+        path = download(paper, 'page without a server (HTML)', 'html', 'drawing')
+        paper = Paper(paper.driver, path.rename(path.with_stem(f'{length}')).as_uri())
+        scene = paper.in_python()
+        assert scene.linkage.dyads[0].length_2 == length
+        assert not paper.script("return 'save in its file' in page.files")
+        assert bool(paper.script(caption)) == (length != 0.21)      # facts of the one before
+        assert bool(paper.text_of('about')) == (length == 0.21)
+        paper.write('dyads.d1.length_2', '0.23')
+        paper.until(lambda: paper.script(caption), 'the caption')
 
 
 def test_an_empty_page_is_drawn_on_and_keeps_nothing_of_another_scene(driver):

@@ -68,11 +68,13 @@ export class Engine {
   joint(name) { return this.point(this.structure.sketch.joints[name][0]); }
 
   // --- where it closes ---
+  /** Whether it has other numbers than those of which the server has answered. */
+  get isChanged() { return Object.keys(this.module.parameters).some(name => this.values[name] !== this.structure.values[name]); }
   /** Ranges of the input, from the server while nothing has changed, else followed from the pose; `turns` of a full one. */
   get ranges() {
     if (this._ranges) return this._ranges;
-    const { values, ranges, turns } = this.structure, isChanged = Object.keys(this.module.parameters).some(name => this.values[name] !== values[name]);
-    [this._ranges, this.turns] = isChanged ? this.followed(this.start) : [ranges, turns];
+    const { ranges, turns } = this.structure;
+    [this._ranges, this.turns] = this.isChanged ? this.followed(this.start) : [ranges, turns];
     return this._ranges;
   }
   followed(start) {

@@ -189,7 +189,7 @@ export async function start(data, source) {
     if (isOtherNow(scene) || fail(answer.problem ?? "")) return;
     const known = module && answer.key === structure.key ? module : await moduleOf(answer.module);
     if (isOtherNow(scene)) return;             // an answer that is late
-    [structure, module, made] = [answer, known, scene];
+    [structure, module, made] = [{ module: structure.module, ...answer }, known, scene];
     build(store.state, !page.engine || !pointer);
     page.onStructure?.(structure);
   };
@@ -242,7 +242,7 @@ export async function start(data, source) {
     if (!page.engine) return;
     if (isFitted) page.fit(current().isDrawing);
     tell(find("warnings"), [...whereItTurns(page.engine), ...structure.warnings].join("\n"));
-    tell(find("about"), structure.description);
+    tell(find("about"), page.engine.isChanged ? "" : structure.description);
     panel.draw(structure, name => valueOf(state.scene, name));
     showRun(state.scene === data.scene ? data.run : null);
     if (isFitted) drawRest();
@@ -291,7 +291,7 @@ export async function start(data, source) {
     isWaiting = false;
     if (!engine) return;
     picture.drawTraces(engine, state.view.layers);
-    panel.drawFacts(structure);
+    panel.drawFacts(engine);
     const { extrema, proof } = isAnswered(state) ? answered : { extrema: wanted(state.view).flatMap(name => engine.extremes(name)), proof: SAMPLED };
     const ofCurves = chosenCurves(state.view).flatMap(name => extrema.filter(one => one.quantity === name).sort((one, two) => Math.abs(two.value) - Math.abs(one.value) || 0)), forces = forcesOf(structure);
     curves.draw(engine, chosenCurves(state.view), isAnswered(state) ? ofCurves : [], secondOf(state.view));
@@ -579,7 +579,7 @@ export async function start(data, source) {
     "page without a server (HTML)": async () => {
       const { scene } = store.state, known = structure, { run } = page, name = nameNow();       // another one may be drawn while it waits
       const extrema = data.canAsk ? await page.ask("extrema", { quantities: Object.keys(known.quantities), acceleration: 0 }) : page.isAsWritten() ? data.extrema : null;
-      const text = JSON.stringify({ ...data, extrema, name, canAsk: false, run, scene, structure: { ...known, index: undefined, module: known.module ?? data.structure.module } });
+      const text = JSON.stringify({ ...data, extrema, name, canAsk: false, canSave: false, run, scene, structure: { ...known, index: undefined } });
       send(source.replace("connect-src 'self'", "connect-src 'none'").replace(/(<script[^>]*id="data"[^>]*>)[^]*?(<\/script>)/, (_, begin, end) => begin + text.replaceAll("<", "\\u003c") + end), "html", "text/html");
     },
     ...(data.canAsk && { "moving picture (GIF)": async () => {

@@ -103,9 +103,8 @@ export class Panel {
     this.shape = shape;
     for (const [name, element] of this.fields) element.set(valueOf(name));
   }
-  drawFacts(structure) {
-    const caption = this.page.isAsWritten() || this.page.canAsk ? "" : "As the scene was in the file, before what you changed.";
-    this.facts.replaceChildren(html("p", { className: "proof", textContent: caption }), table([], structure.facts));
+  drawFacts({ structure, isChanged }) {
+    this.facts.replaceChildren(html("p", { className: "proof", textContent: isChanged ? "As the scene was before what you changed." : "" }), table([], structure.facts));
   }
   /** Show nothing of the scene before. */
   clear() {
