@@ -66,23 +66,28 @@ def test_every_quantity_of_a_page_is_in_its_module_or_of_the_drive():
 IN_NODE = """
 import { readFileSync } from 'node:fs';
 const { Engine, forcesOf, largestForces } = await import(process.argv[2]);
-const { structure, changed, names } = JSON.parse(readFileSync(0));
+const { structure, changed, names, asked } = JSON.parse(readFileSync(0));
 const url = 'data:text/javascript,' + encodeURIComponent(structure.module);
 const engine = new Engine(structure, await import(url), { ...structure.values, ...changed });
 const { ranges } = engine;
 console.log(JSON.stringify({ ranges, turns: engine.turnsFully ? engine.turns : 0,
   atPi: engine.at(Math.PI) && [engine.status, engine.get('driving_torque')],
-  inputs: engine.sweep.inputs, samples: names.map(name => engine.samples(name)),
+  inside: asked.map(x => engine.nearestInside(x)), inputs: engine.sweep.inputs,
+  samples: names.map(name => engine.samples(name)),
   rows: names.flatMap(name => engine.extremes(name)),
   largest: largestForces(structure,
     forcesOf(structure).flatMap(name => engine.extremes(name))) }));
 """
 
 
-def by_engine(scene, changed, names=()):
-    """Return ranges, samples and their extremes that the page has for changed parameters."""
+def by_engine(scene, changed, names=(), asked=()):
+    """
+    Return ranges, samples and their extremes that the page has for changed parameters.
+
+    ``asked``: inputs, of which it also gives [how far outside, the nearest inside].
+    """
     return json.loads(node(IN_NODE, str(LIVE / 'js/engine.js'), given=json.dumps(
-        {'structure': structure_of(scene), 'changed': changed, 'names': names})))
+        {'structure': structure_of(scene), 'changed': changed, 'names': names, 'asked': asked})))
 
 
 @needs_node
@@ -242,6 +247,20 @@ def test_the_start_is_in_the_turn_of_the_ranges():
     scene = load_scene('slides_7_6')
     beyond = from_values({**scene.values, 'drive.start': radians(-300.0)})
     assert structure_of(beyond)['start'] == pytest.approx(radians(60.0), abs=1e-15)
+
+
+@needs_node
+@pytest.mark.parametrize(('name', 'degrees', 'away', 'inside'), [
+    ('slides_7_6', -300.0, 0.0, 60.0), ('slides_7_6', 420.0, 0.0, 60.0),
+    ('slides_7_6', 200.0, 29.7, -130.3), ('chebyshev', -310.0, 0.0, 50.0),
+    ('chebyshev', 400.0, 0.0, 40.0), ('chebyshev', 1.0, 35.9, 36.9)])
+def test_an_angle_counts_in_any_turn(name, degrees, away, inside):
+    """At -300 degrees a page showed the pose of the end at -130.3, as if it were meant."""
+    scene = load_scene(name)
+    (far, there), = by_engine(scene, {}, asked=[radians(degrees)])['inside']
+    assert [far, there] == pytest.approx([radians(away), radians(inside)], abs=radians(0.1))
+    if not away:
+        assert np.cos(there - radians(degrees)) == pytest.approx(1.0, abs=1e-15)
 
 
 IN_SI = """

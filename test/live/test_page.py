@@ -144,6 +144,19 @@ def test_the_input_is_typed_with_a_unit_too(tab):
     tab.until(lambda: tab.address().get('at') == '57.2957795', 'a radian in degrees')
 
 
+def test_an_input_without_a_pose_is_said_and_one_of_another_turn_is_found(driver, file):
+    tab = Tab(driver, file('slides_7_6') + '#at=-300')
+    for typed in ('', '420 deg'):
+        if typed:
+            tab.write('input value', typed)
+        assert tab.script('return page.engine.x') == pytest.approx(np.radians(60.0), abs=1e-12)
+        assert 'no pose' not in tab.text_of('pose')
+    tab.write('input value', '200 deg')
+    assert 'no pose at theta1 = 200 deg: the nearest is shown' in tab.text_of('pose')
+    tab.driver.find_element('id', 'picture').send_keys('\ue013')       # the arrow upwards
+    assert 'no pose' not in tab.text_of('pose')
+
+
 def test_what_cannot_close_is_said_and_the_old_picture_is_pale(tab):
     tab.write('linkage.a2', '9')
     tab.until(tab.alarm, 'the reason')

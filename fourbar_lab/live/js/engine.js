@@ -95,14 +95,16 @@ export class Engine {
   get span() { return this.ranges.reduce((sum, [low, high]) => sum + high - low, 0); }
   /** An input in the turns that are shown. */
   counted(x) { return this.turnsFully ? ((x % this.span) + this.span) % this.span : x; }
-  /** The input in the ranges that is nearest to one; ends are left out, which may be toggles. */
-  inside(x) {
-    if (!this.ranges.length || this.turnsFully) return x;
-    const away = ([low, high]) => Math.max(low - x, x - high, 0);
-    const [low, high] = this.ranges.reduce((best, range) => (away(range) < away(best) ? range : best));
-    const margin = 1e-6 * (high - low);
-    return Math.min(Math.max(x, low + margin), high - margin);
+  /** How far an input is outside of all ranges, an angle in any turn, and the input in them that is nearest: [away, input]; ends are left out, which may be toggles. */
+  nearestInside(x) {
+    if (!this.ranges.length || this.turnsFully) return [0, x];
+    const { period } = this.structure;
+    return this.ranges.map(([low, high]) => {
+      const there = x + (period ? period * Math.round(((low + high) / 2 - x) / period) : 0), margin = 1e-6 * (high - low);
+      return [Math.max(low - there, there - high, 0), Math.min(Math.max(there, low + margin), high - margin)];
+    }).reduce((best, one) => (one[0] < best[0] ? one : best));
   }
+  inside(x) { return this.nearestInside(x)[1]; }
   /** The input at which a joint is nearest to a place; a path crosses itself: far inputs count as farther. */
   nearest(joint, [x, y], from) {
     const { span } = this, inputs = this.sweep.inputs.map(x => x + (this.turnsFully ? span * Math.round((from - x) / span) : 0));

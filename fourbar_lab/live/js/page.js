@@ -301,7 +301,7 @@ export async function start(data, source) {
     drawPose(state);
   };
   const drawPose = ({ view: { at, moment, layers } }) => {
-    const { engine } = page, x = engine.inside(at), here = engine.counted(x), isRun = page.run && moment !== null;
+    const { engine } = page, [away, x] = engine.nearestInside(at), here = engine.counted(x), isRun = page.run && moment !== null;
     engine.at(x, ...(isRun ? [page.run.rate[moment], page.run.acceleration[moment]] : []));
     const near = curves.extrema.filter(one => one.inputs.some(input => Math.abs(input - here) < 1e-5 * engine.span) && one.isGlobal && one.kind !== "constant");
     const note = near.slice(0, 2).map(({ kind, quantity, value }) => {
@@ -311,7 +311,7 @@ export async function start(data, source) {
     const second = secondOf(store.state.view);
     second?.at(second.inside(x));
     picture.draw(engine, layers, second);
-    tell(find("pose"), engine.status === 1 ? `no pose at ${structure.input.name} = ${significant(x * factorOf())}` : engine.status === 2 && structure.hasLoads ? "no loads here: links lie in line, it locks itself, or a spring has no direction" : [isRun ? `in the run at ${significant(page.run.time[moment])} s, ${structure.input.rate} = ${significant(page.run.rate[moment])} ${structure.input.unit}/s` : note, structure.lacks].filter(Boolean).join("; "));
+    tell(find("pose"), engine.status === 1 || away > 1e-6 * engine.span ? `no pose at ${structure.input.name} = ${significant(at * factorOf())} ${inputUnit()[0]}${engine.status === 1 ? "" : ": the nearest is shown"}` : engine.status === 2 && structure.hasLoads ? "no loads here: links lie in line, it locks itself, or a spring has no direction" : [isRun ? `in the run at ${significant(page.run.time[moment])} s, ${structure.input.rate} = ${significant(page.run.rate[moment])} ${structure.input.unit}/s` : note, structure.lacks].filter(Boolean).join("; "));
     if (isRun) find("time").value = moment;
     curves.follow(engine, here);
     const slider = find("at"), [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]].map(end => end * factorOf());
@@ -490,7 +490,7 @@ export async function start(data, source) {
     const x = page.engine.x, at = { ArrowRight: x + step, ArrowUp: x + step, ArrowLeft: x - step, ArrowDown: x - step, Home: low, End: high }[event.key];
     if (at === undefined || store.state.view.tool !== "pose") return;
     event.preventDefault();
-    store.dispatch({ view: { at: page.engine.inside(at) } });
+    page.go(page.engine.inside(page.engine.turnsFully ? at : Math.min(Math.max(at, low), high)));
   });
   // what is open, and what was said of the click before, ends at a click elsewhere and at Escape
   const closeMenus = target => [...document.querySelectorAll("details.menu[open]")].filter(menu => !menu.contains(target)).map(menu => (menu.open = false));
@@ -531,7 +531,7 @@ export async function start(data, source) {
     const [low, high] = engine.ranges.find(([from, to]) => from <= engine.x + 1e-9 && engine.x <= to + 1e-9) ?? engine.ranges[0];
     const there = ((high - low) * seconds) / pace, x = engine.x + (engine.turnsFully ? there : 2 * way * there);
     if (x <= low || x >= high) way = x <= low ? 1 : -1;
-    store.dispatch({ view: { at: engine.inside(engine.counted(x)) } });
+    store.dispatch({ view: { at: engine.turnsFully ? engine.counted(x) : engine.inside(Math.min(Math.max(x, low), high)) } });
   };
   find("play").onclick = () => page.play();
   find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
@@ -617,7 +617,7 @@ export async function start(data, source) {
   }
   else if (data.canAsk) await askStructure();
   else fail("this file has no server: another structure needs fourbar live");
-  if (page.engine) store.dispatch({ view: { at: page.engine.inside("at" in first.view ? first.view.at / factorOf() : store.state.view.at) } });       // a slide begins where it can be
+  if (page.engine) store.dispatch({ view: { at: "at" in first.view ? first.view.at / factorOf() : page.engine.inside(store.state.view.at) } });       // a slide begins where it can be
   page.refuse("");                        // what is wrong with the address is said
   document.documentElement.dataset.ready = "yes";
   return page;
