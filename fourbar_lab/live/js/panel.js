@@ -75,9 +75,9 @@ export function numberField(name, unit, value, page, change, plainUnit = unit, c
 
 /** A box to tick with words behind it. */
 export const tickBox = (words, checked, onchange, more = {}) => html("label", {}, html("input", { type: "checkbox", checked, onchange, ...more }), words);
-/** A choice among [value, words]; of a value that is none of them the first. */
+/** A choice among [value, words]; of a value that is none of them the first, an empty one is shown alone. */
 function selectOf(name, options, change) {
-  const select = html("select", { "aria-label": name, onchange: () => change(Number(select.value)) }, ...options.map(([value, textContent]) => html("option", { value, textContent })));
+  const select = html("select", { "aria-label": name, onchange: () => change(Number(select.value)) }, ...options.map(([value, textContent]) => html("option", { value, textContent, disabled: value === "" })));
   select.set = value => (select.selectedIndex = Math.max(options.findIndex(option => Number(option[0]) === value && option[0] !== ""), 0));
   return select;
 }
@@ -164,7 +164,7 @@ export class Panel {
       return [html("th", { scope: "row", title: quantity, textContent: shownName(structure, quantity) }),
         html("td", { title: kind }, kind === "constant" ? kind : kind.slice(0, 3), html("small", { textContent: note })),
         html("td", { className: "number", title: isBounded ? String(Number((value * factor).toPrecision(10))) : "", textContent: isBounded ? `${Number((value * factor).toPrecision(5))} ${unit}` : "unbounded" }),
-        html("td", {}, html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.store.dispatch({ view: { at: input } }) }))];
+        html("td", {}, html("button", { type: "button", className: "go", textContent: at, "aria-label": `go to the ${kind} of ${quantity} at ${at}`, onclick: () => this.page.go(input) }))];
     });
     this.extrema.replaceChildren(html("p", { className: "proof", textContent: proof }), table(["quantity", "kind", "value", "input"], rows));
   }
