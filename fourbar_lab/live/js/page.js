@@ -208,9 +208,9 @@ export async function start(data, source) {
   });
 
   // --- draw ---
-  const picture = (page.picture = new Picture(svg)), curves = new Curves(find("curves"), at => store.dispatch({ view: { at } }));
+  const picture = (page.picture = new Picture(svg)), curves = new Curves(find("curves"), at => page.go(at));
   const panel = (page.panel = new Panel(find("panel"), page));
-  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => (page.play(false), store.dispatch({ view: { at } })), inputUnit()[0]);
+  const [inputField, inputWords] = numberField("input value", structure.input.unit, 0, page, at => page.go(at), inputUnit()[0]);
   find("at").after(inputField, inputWords);
   // in pale: a second scene, or this one as it was written
   const pale = data.second ?? (data.structure.module && Object.keys(data.scene).length ? data.structure : null), paleModule = pale && (await moduleOf(pale.module));
@@ -225,11 +225,11 @@ export async function start(data, source) {
   const whereItTurns = engine => {
     hasTurned ||= engine.turnsFully;
     if (!hasTurned || engine.turnsFully || !engine.isAngle) return [];
-    const [low, high] = [engine.ranges[0][0], engine.ranges.at(-1)[1]], flat = structure.sketch.dyads.flatMap(({ name, kind, links }) => {
-      const bends = [low, high].map(end => (engine.at(engine.inside(end)), links.map(link => engine.frame(link)))).map(([[, , a, b], [, , c, s]]) => Math.abs(kind === "RRR" ? a * s - b * c : a * c + b * s));
+    const shown = input => significant(input * factorOf()), flat = structure.sketch.dyads.flatMap(({ name, kind, links }) => {
+      const bends = engine.ranges.flat().map(end => (engine.at(engine.inside(end)), links.map(link => engine.frame(link)))).map(([[, , a, b], [, , c, s]]) => Math.abs(kind === "RRR" ? a * s - b * c : a * c + b * s));
       return ["RRR", "RRP"].includes(kind) && Math.min(...bends) < 0.02 ? [name] : [];
     });
-    return [`the crank turns only from ${significant(low * factorOf())} to ${significant(high * factorOf())} deg${flat.length ? `: ${flat.join(", ")} cannot close beyond` : ""}`];
+    return [`the crank turns only from ${engine.ranges.map(([low, high]) => `${shown(low)} to ${shown(high)}`).join(" and ")} deg${flat.length ? `: ${flat.join(", ")} cannot close beyond` : ""}`];
   };
   /** Make the engine of a state; the picture keeps its scale while something is dragged. */
   const build = (state, isFitted) => {
@@ -500,11 +500,11 @@ export async function start(data, source) {
   }, true);
   addEventListener("keydown", event => { if (event.key === "Escape" && closeMenus(null).length) event.stopPropagation(); }, true);
   addEventListener("keydown", event => {
-    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && event.target.type !== "text") {
+    const key = event.key?.toLowerCase();
+    if ((event.ctrlKey || event.metaKey) && "zy".includes(key) && event.target.type !== "text") {
       event.preventDefault();
-      if (event.shiftKey) store.redo(); else store.undo();
-    } else if (event.ctrlKey && event.key === "y") store.redo();
-    else if (event.key === " " && event.target === document.body) (event.preventDefault(), page.play());
+      if (key === "y" || event.shiftKey) store.redo(); else store.undo();
+    } else if (event.key === " " && event.target === document.body) (event.preventDefault(), page.play());
     else if (event.key === "Escape" && store.state.view.tool !== "pose") page.useTool("pose");
     else if (event.target === document.body) current().key?.(event);
   });
@@ -534,7 +534,8 @@ export async function start(data, source) {
     store.dispatch({ view: { at: engine.turnsFully ? engine.counted(x) : engine.inside(Math.min(Math.max(x, low), high)) } });
   };
   find("play").onclick = () => page.play();
-  find("at").oninput = event => (page.play(false), store.dispatch({ view: { at: Number(event.target.value) / factorOf() } }));
+  page.go = at => (page.play(false), store.dispatch({ view: { at } }));
+  find("at").oninput = event => page.go(Number(event.target.value) / factorOf());
   find("pace").oninput = event => store.dispatch({ view: { pace: Number(event.target.value) } });
   const [accelerationField, accelerationWords] = numberField("acceleration of the input", `${structure.input.unit}/s^2`, store.state.view.acceleration, page, acceleration => store.dispatch({ view: { acceleration } }));
   const accelerationName = html("span");
