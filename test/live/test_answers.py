@@ -7,9 +7,16 @@ from pathlib import Path
 import re
 
 from fourbar_lab.drawing.curves import curves_of
+from fourbar_lab.drawing.labels import labels_of
 from fourbar_lab.export.js_code import JsModule
 from fourbar_lab.live import page as pages
-from fourbar_lab.live.answers import answered, extrema_answer, quantities_of, structure_of
+from fourbar_lab.live.answers import (
+    answered,
+    extrema_answer,
+    quantities_of,
+    scene_of,
+    structure_of,
+)
 from fourbar_ros import find_extrema, load_scene
 from fourbar_ros.mechanisms.curves import point_of
 from fourbar_ros.mechanisms.picture import diagram_of
@@ -261,6 +268,31 @@ def test_an_angle_counts_in_any_turn(name, degrees, away, inside):
     assert [far, there] == pytest.approx([radians(away), radians(inside)], abs=radians(0.1))
     if not away:
         assert np.cos(there - radians(degrees)) == pytest.approx(1.0, abs=1e-15)
+
+
+MACHINE_OF = """
+import { readFileSync } from 'node:fs';
+const { machineOf } = await import(process.argv[2]);
+console.log(JSON.stringify(machineOf(JSON.parse(readFileSync(0)))));
+"""
+
+
+@needs_node
+@pytest.mark.parametrize(('kind', 'joints'), [('four_bar', 'PQRS'), ('slider_crank', 'PQR')])
+def test_a_kind_that_is_drawn_on_keeps_its_range_and_the_letters_of_its_joints(kind, joints):
+    """The first click with a tool let the crank turn fully and called P and Q O1 and A."""
+    last = {'a3': 0.8, 'a4': 1.0} if kind == 'four_bar' else {'offset': 0.05}
+    tree = {'linkage': {'kind': kind, 'a1': 0.4, 'a2': 1.2, **last, 'mode': 1,
+                        'range': [0.5, 1.5], 'joints': [*joints]},
+            'bodies': {'rods': {'density': 7850.0, 'radius': 0.01},
+                       **({'output': {'mass': 3.0}} if kind == 'slider_crank' else {})}}
+    one, two = (scene_of(each).linkage for each in (tree, json.loads(node(
+        MACHINE_OF, str(LIVE / 'js/draw.js'), given=json.dumps(tree)))))
+    assert one.input_ranges == pytest.approx(np.array([[0.5, 1.5]])) == two.input_ranges
+    (pose, loads), (_, others) = one.step(1.0, 10.0), two.step(1.0, 10.0)
+    letters = set(labels_of(diagram_of(two, two.motion(1.0))).letters.values())
+    assert letters == set(joints) == set(labels_of(diagram_of(one, pose)).joints)
+    assert loads.shaking_force == pytest.approx(others.shaking_force, rel=1e-13)
 
 
 IN_SI = """

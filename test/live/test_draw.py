@@ -538,6 +538,12 @@ def test_points_forces_and_the_drive_are_chosen_and_deleted(paper):
     paper.until(lambda: paper.state['scene'] == {}, 'an empty page')
     paper.click('undo')
     assert paper.drawn('d1').linkage == after.linkage
+    # a spring between ground and crank would be one of another link
+    paper.script("page.store.dispatch({ set: { 'torsion_springs.s': "
+                 "{ first: 'ground', second: 'crank', stiffness: 1, free_angle: 0 } } })")
+    paper.tool('drive')
+    paper.press(paper.between('d1_inner', 'd1_second'))
+    paper.until(lambda: 'choose the drive in the file' in paper.alarm(), 'the refusal')
 
 
 def test_a_shipped_scene_is_drawn_on(paper):

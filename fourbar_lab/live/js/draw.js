@@ -43,14 +43,14 @@ function rodOf({ density, radius, width, thickness }, length) {
   return { mass, cg_along: length / 2, inertia: mass * ((radius ? 3 * radius ** 2 : width ** 2) + length ** 2) / 12 };
 }
 
-/** The machine of a four-bar or slider-crank, with the same links, in the same frame; null of others. */
+/** The machine of a four-bar or slider-crank, with the same links and range, in the same frame; null of others. */
 export function machineOf(scene) {
-  const { kind = 'four_bar', a1, a2, a3, a4, offset: y = 0, mode = 2, input = 'crank' } = scene.linkage || {};
+  const { kind = 'four_bar', a1, a2, a3, a4, offset: y = 0, mode = 2, input = 'crank', range, joints = [] } = scene.linkage || {}, [pivot, a = 'A', inner, c = 'C'] = joints;
   if (input !== 'crank' || !['four_bar', 'slider_crank'].includes(kind)) return null;
-  const points = { A: { link: 'crank', along: a1 } }, common = { first: 'A', links: ['coupler', 'output'], length_1: a2, mode: { open: 2, crossed: 1 }[mode] || mode };
-  const machine = { ...scene, linkage: { kind: 'machine', dyads: ['d1'], points } };
-  if (kind === 'four_bar') points.C = { x: a4, y: 0 };
-  machine.dyads = { d1: kind === 'four_bar' ? { kind: 'RRR', second: 'C', length_2: a3, ...common } : { kind: 'RRP', second: { link: 'ground', along: 0, across: y }, direction_2: 0, ...common } };
+  const points = { [a]: { link: 'crank', along: a1 } }, common = { first: a, links: ['coupler', 'output'], length_1: a2, mode, ...(inner && { inner }) };
+  const machine = { ...scene, linkage: { kind: 'machine', dyads: ['d1'], points, ...(range && { range }), ...(pivot && { pivot }) } };
+  if (kind === 'four_bar') points[c] = { x: a4, y: 0 };
+  machine.dyads = { d1: kind === 'four_bar' ? { kind: 'RRR', second: c, length_2: a3, ...common } : { kind: 'RRP', second: { link: 'ground', along: 0, across: y }, direction_2: 0, ...common } };
   if (scene.bodies?.rods && scene.bodies.crank?.mass === undefined) machine.bodies = { ...scene.bodies, crank: rodOf(scene.bodies.rods, a1) };
   return machine;
 }
@@ -676,6 +676,8 @@ export function addDrawing(page) {
       if (!canSketch()) return;
       const before = scene(), now = sketchNow(), sketch = drivenAt(now, below(now, place)?.link), { bodies = {} } = before;
       must(Object.keys(bodies).every(name => name === 'rods' || name === 'crank'), 'Links with masses of their own: choose the drive in the file');
+      const named = ['torsion_springs', 'forces', 'friction'].find(name => Object.keys(before[name] ?? {}).length);
+      must(!named, `${named} name links, joints or the crank's angle: choose the drive in the file`);
       const crank = bodies.rods && { crank: rodOf(bodies.rods, Math.hypot(...drivenPin(sketch).at)) };
       const external = Object.fromEntries(now.riders.map(({ path, link }, i) => [path, link, sketch.riders[i].link]).filter(([path]) => path.startsWith('external.')).map(([, from, to]) => [to, before.external[from]]));
       let made = { ...before, linkage: { kind: 'machine' }, dyads: {}, bodies: { ...bodies, ...crank }, external };
