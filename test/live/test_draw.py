@@ -525,6 +525,8 @@ def test_points_forces_and_the_drive_are_chosen_and_deleted(paper):
     force = before.linkage.external.l2
     assert force.force_x > 0.0 > force.force_y and force.along == (
         before.linkage.dyads[0].length_2)
+    # a couple alone was lost with the change of the drive
+    paper.script("page.store.dispatch({ set: { 'external.l1': { couple: 3 } } })")
     paper.tool('drive')
     paper.press(paper.between('d1_inner', 'd1_second'))
     paper.until(lambda: 'crank' in paper.state['scene'].get('external', {}), 'another drive')
@@ -533,6 +535,8 @@ def test_points_forces_and_the_drive_are_chosen_and_deleted(paper):
     assert {new.length_1, new.length_2} == {old.length_1, old.first.along}
     assert new.second.along == old.length_2 or new.first.along == old.length_2
     assert after.points['P1'].link == before.points['P1'].link
+    assert after.linkage.external.l1.couple == 3.0
+    assert after.linkage.external.crank.force_x == force.force_x
     paper.tool('delete')
     paper.press(paper.between('d1_first', 'd1_inner'))
     paper.until(lambda: paper.state['scene'] == {}, 'an empty page')
@@ -548,6 +552,7 @@ def test_points_forces_and_the_drive_are_chosen_and_deleted(paper):
 
 def test_a_shipped_scene_is_drawn_on(paper):
     """A four-bar becomes a machine in the same frame; a dyad on its coupler follows."""
+    paper.script("page.store.dispatch({ set: { joint_names: ['p', 'q', 'r', 's'] } })")
     before = scene_of(paper.state['scene'])
     paper.tool('rods')
     paper.until(lambda: paper.state['scene']['linkage'].get('kind') == 'machine', 'a machine')
@@ -559,7 +564,8 @@ def test_a_shipped_scene_is_drawn_on(paper):
     joints = 'd1_first', 'd1_inner'
     (u, v), (_, top) = paper.between(*joints), paper.at(0, 240)
     paper.press((u, v), (u + 20, top), (u + 200, v + 20))
-    assert len(paper.drawn('d1', 'd2').linkage.dyads) == 2
+    drawn = paper.drawn('d1', 'd2')             # four names would not do for seven joints
+    assert len(drawn.linkage.dyads) == 2 and len(set(drawn.joint_names) - {*'pqrs'}) == 7
 
 
 @pytest.mark.parametrize(('clicks', 'words'), [

@@ -210,7 +210,10 @@ export function changesOf(scene, sketch, before = null, held = null) {
   }
   for (const name of linkage.dyads || []) if (!sketch.dyads.some(dyad => dyad.name === name)) set[`dyads.${name}`] = null;
   const order = sketch.dyads.map(dyad => dyad.name);
-  if (order.join() !== (linkage.dyads || []).join()) set['linkage.dyads'] = order;
+  if (order.join() !== (linkage.dyads || []).join()) {
+    set['linkage.dyads'] = order;           // with joints of which lists of one for each know nothing
+    for (const path of ['joint_names', 'joint_states.ratios', 'joint_states.offsets']) if (leafOf(scene, path)) set[path] = null;
+  }
   for (const { path, link, at } of sketch.riders) {
     const old = leafOf(scene, path) ?? {};
     if (!frames[link]) set[path.split('.').slice(0, 2).join('.')] = null;
@@ -674,12 +677,11 @@ export function addDrawing(page) {
     name: 'drive', label: 'Drive', title: 'Click a link on the ground that is to turn: it becomes the crank',
     down(place) {
       if (!canSketch()) return;
-      const before = scene(), now = sketchNow(), sketch = drivenAt(now, below(now, place)?.link), { bodies = {} } = before;
-      must(Object.keys(bodies).every(name => name === 'rods' || name === 'crank'), 'Links with masses of their own: choose the drive in the file');
-      const named = ['torsion_springs', 'forces', 'friction'].find(name => Object.keys(before[name] ?? {}).length);
+      const before = scene(), { bodies = {} } = before, named = ['torsion_springs', 'forces', 'friction'].find(name => Object.keys(before[name] ?? {}).length);
       must(!named, `${named} name links, joints or the crank's angle: choose the drive in the file`);
-      const crank = bodies.rods && { crank: rodOf(bodies.rods, Math.hypot(...drivenPin(sketch).at)) };
-      const external = Object.fromEntries(now.riders.map(({ path, link }, i) => [path, link, sketch.riders[i].link]).filter(([path]) => path.startsWith('external.')).map(([, from, to]) => [to, before.external[from]]));
+      must(Object.keys(bodies).every(name => name === 'rods' || name === 'crank'), 'Links with masses of their own: choose the drive in the file');
+      const now = sketchNow(), link = below(now, place)?.link, sketch = drivenAt(now, link), crank = bodies.rods && { crank: rodOf(bodies.rods, Math.hypot(...drivenPin(sketch).at)) };
+      const external = Object.fromEntries(Object.entries(before.external ?? {}).map(([of, load]) => [{ crank: link, [link]: 'crank' }[of] ?? of, load]));
       let made = { ...before, linkage: { kind: 'machine' }, dyads: {}, bodies: { ...bodies, ...crank }, external };
       made = written(made, changesOf(made, sketch));
       dispatchDrawn(sketch, { scene: made });
