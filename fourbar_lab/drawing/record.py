@@ -144,7 +144,9 @@ def _inertia(linkage: Mechanism) -> LinkageRecord:
     """Return least, largest and mean inertia at the input [kg m^2 or kg] and where they are."""
     inertia = OverInput(linkage, 'inertia')
     least, most = inertia.least, inertia.most
-    assert least and most           # it is no angle
+    if not (least and most):
+        raise InvalidParameter('bodies', None, 'too heavy or too light: the inertia at the input '
+                               'is beyond all numbers')
     return _ends(linkage, least, most) | {
         'mean': inertia.mean, 'unbounded_at': [counted(linkage, extremum.input)
                                                for extremum in inertia.extrema

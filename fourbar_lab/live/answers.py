@@ -29,6 +29,7 @@ from fourbar_ros.mechanisms.quantities import (
     positions,
     select,
 )
+from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.files import flatten, YamlTree
 from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import of_name, unit_in
@@ -69,6 +70,10 @@ def answered(question: str, asked: Answer) -> Answer:
         return ANSWERS[question](replace(scene, with_unit=with_unit), asked)
     except (FourBarError, KeyError, TypeError, ValueError) as error:
         return {'problem': str(error), 'name': getattr(error, 'name', '')}
+    except ModuleNotFoundError as error:        # a server needs less than all of its answers
+        if not MissingPackage.explains(error):
+            raise
+        return {'problem': str(MissingPackage(question, error)), 'name': ''}
 
 
 def quantities_of(scene: Scene) -> dict[str, Named]:
@@ -122,7 +127,7 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
         'links': [link.name for link in linkage.LINKS], 'size': max(map(abs, linkage.lengths)),
         'guides': [reaction.magnitude for reaction in linkage.REACTIONS if reaction.couple],
         'quantities': {name: {'unit': quantity.unit, 'text': quantity.text,
-                              'isLoad': quantity.is_load, 'symbol': symbols.get(name)}
+                              'symbol': symbols.get(name)}
                        for name, quantity in quantities.items()},
         'usual': [name for name in (output.rate, output.acceleration, linkage.drive_load,
                                     'shaking_force') if name in quantities],

@@ -5,6 +5,7 @@ import json
 from math import radians, tau
 from pathlib import Path
 import re
+import sys
 
 from fourbar_lab.drawing.curves import curves_of
 from fourbar_lab.drawing.labels import labels_of
@@ -237,6 +238,21 @@ def test_what_cannot_be_is_said_and_named():
                   {'scene': {'linkage': {'kind': ['x']}}}):
         assert answered('structure', asked)['problem']
     assert answered('extrema', {'scene': {}})['problem']
+
+
+def test_masses_beyond_all_numbers_are_said():
+    """It was an AssertionError, in fourbar show too."""
+    values = {**load_scene('paper').values, 'bodies.rods.density': 1e-308}
+    scene = nested({name: value for name, value in values.items() if value == value})
+    assert 'too heavy or too light' in answered('structure', {'scene': scene})['problem']
+
+
+def test_a_package_that_an_answer_needs_is_named(monkeypatch):
+    """The page said Internal Server Error, and a traceback stood in the terminal."""
+    monkeypatch.setitem(sys.modules, 'matplotlib.animation', None)
+    scene = {'linkage': {'a1': 0.4, 'a2': 1.2, 'a3': 0.8, 'a4': 1.0}}
+    assert answered('gif', {'scene': scene})['problem'] == (
+        'gif requires matplotlib: pip install matplotlib')
 
 
 def test_a_module_that_the_page_has_is_not_sent_again():
