@@ -111,6 +111,8 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
     columns = coordinate.position, *wanted
     for name, column in zip(columns, values):
         if not np.isfinite(column).any():
+            if name == 'mechanical_advantage':          # at unit rate, whatever the speed
+                raise InvalidParameter(name, inf, 'the output stands still at every input')
             raise InvalidParameter('speed', speed, f'too large: {name} overflows')
     rates = rates_in_words(linkage, speed, acceleration, ', ')
     curves = _in_units(Curves(

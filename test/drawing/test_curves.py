@@ -4,7 +4,7 @@
 from fourbar_lab.drawing.curves import curves_of, extrema_of, make_figure, marks_of
 from fourbar_lab.drawing.record import properties_of
 from fourbar_lab.drawing.tables import facts
-from fourbar_ros import find_extrema
+from fourbar_ros import find_extrema, InvalidParameter
 from fourbar_ros.mechanisms.quantities import select, UnknownQuantity
 from fourbar_ros.scene.scene import from_values, load
 import numpy as np
@@ -129,6 +129,12 @@ def test_dots_are_at_the_ends_of_ranges_and_in_both_turns_of_a_four_stroke(name,
     wanted = ([-x for x in inputs[::-1]] + inputs if name == 'chebyshev' else
               inputs + [x + 360.0 for x in inputs])
     assert sorted(dots) == pytest.approx(wanted, abs=1e-6)
+
+
+def test_an_output_that_stands_still_is_no_matter_of_speed():
+    scene = load('toddlerbot_knee')         # its last link is the rod of a parallelogram
+    with pytest.raises(InvalidParameter, match='the output stands still at every input'):
+        curves_of(scene, scene.linkage, ['mechanical_advantage'], 1.0)
 
 
 def test_a_curve_that_is_infinite_at_dead_points_is_drawn_beyond_its_extrema_and_no_farther():
