@@ -41,6 +41,7 @@ PATIENCE = 60.0                     # [s] for the bag
 PALETTE = ((0.36, 0.54, 0.74), (0.80, 0.55, 0.30), (0.45, 0.65, 0.45), (0.70, 0.45, 0.60),
            (0.55, 0.55, 0.55))
 LIGHT = np.array([0.3, -0.4, 0.87])
+ADD = 0                     # of actions
 ARROW, CUBE, LINE_STRIP, LINE_LIST, SPHERE_LIST, TEXT = 0, 1, 4, 5, 7, 9
 
 
@@ -151,7 +152,9 @@ def arrow(ax, one, other, scale, style):
 
 
 def draw_marker(ax, marker, order):
-    """Draw a marker, seen from above."""
+    """Draw a marker, seen from above; none that takes others away."""
+    if marker.action != ADD:
+        return
     style = {'color': (marker.color.r, marker.color.g, marker.color.b), 'zorder': order,
              'alpha': marker.color.a}
     places = [np.array((point.x, point.y)) for point in marker.points]
