@@ -13,21 +13,7 @@ from fourbar_ros.mechanisms.curves import Direction
 from fourbar_ros.mechanisms.loop import HalfAngle, in_one_turn
 from fourbar_ros.numerics.number_types import is_zero, NumberType, Scalar
 
-
-class TriangleMotion(NamedTuple):
-    """Directions x, b and theta2 by (T1) to (T3), and their derivatives by s."""
-
-    x: Direction
-    b: Direction
-    theta2: Direction
-
-
-class RodMotion(NamedTuple):
-    """Directions b and theta2, the place s, by (R1) to (R9), derivatives by x."""
-
-    b: Direction
-    theta2: Direction
-    s: tuple[Scalar, Scalar, Scalar]
+Slide = tuple[Scalar, Scalar, Scalar]       # a place along a line, its first and second derivative
 
 
 class BarMotion(NamedTuple):
@@ -35,15 +21,15 @@ class BarMotion(NamedTuple):
 
     y: Direction
     theta2: Direction
-    slide: tuple[Scalar, Scalar, Scalar]
+    slide: Slide
     sine: Scalar            # of the transmission angle, from the bar to A - O4
     cosine: Scalar
 
 
 def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
-             s: Scalar, can_lie_flat: bool = True) -> TriangleMotion:
+             s: Scalar, can_lie_flat: bool = True) -> tuple[Direction, Direction, Direction]:
     """
-    Return a triangle by its side s: x and b of a1 e^{ix} + a2 e^{ib} = s + i e.
+    Return x, b and theta2 of a triangle by its side s: a1 e^{ix} + a2 e^{ib} = s + i e.
 
     With q = s^2 + e^2, f = a1^2 - a2^2, theta2 = b - x as the 4R's mu
     (:mod:`fourbar_ros.mechanisms.loop`):
@@ -109,15 +95,14 @@ def triangle(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar,
     common, half = (2.0 * e - f * d_2) * s * per_q * per_q, 0.5 * dd_2
     # (T7), (T8)
     dd_x, dd_b = common - half * less, common + half * more
-    return TriangleMotion((cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, d_b, dd_b),
-                          (cos_2, sin_2, d_2, dd_2))
+    return (cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, d_b, dd_b), (cos_2, sin_2, d_2, dd_2)
 
 
 def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, cos_x: Scalar,
                 sin_x: Scalar, sin_v: Scalar, cos_v: Scalar,
-                can_lie_flat: bool = True) -> RodMotion:
+                can_lie_flat: bool = True) -> tuple[Direction, Direction, Slide]:
     """
-    Return where a rod that a crank carries meets a line, and its derivatives.
+    Return b, theta2 and s of a rod that a crank carries to a line, with derivatives by x.
 
     The crank a1 at the angle x to the line, the rod a2 from its pin at the angle b; e is the
     distance of the line from the pivot of the crank, to its left, and s the place of the end of
@@ -207,7 +192,7 @@ def rod_on_line(n: NumberType, a1: Scalar, a2: Scalar, e: Scalar, sign: Scalar, 
     d_s = a1 * (e * cos_x_left - s_left * sin_x) * per                                  # (R5)
     dd_b = a1 * bend * per * per * per                                                  # (R6)
     dd_s = at_x * d_theta2 - h * dd_b                                                   # (R7)
-    return RodMotion((cos_b, sin_b, d_b, dd_b), (cos_2, sin_2, d_theta2, dd_b), (s, d_s, dd_s))
+    return (cos_b, sin_b, d_b, dd_b), (cos_2, sin_2, d_theta2, dd_b), (s, d_s, dd_s)
 
 
 def block_on_bar(n: NumberType, a1: Scalar, a4: Scalar, h: Scalar, sign: Scalar,

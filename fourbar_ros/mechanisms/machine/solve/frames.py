@@ -146,8 +146,8 @@ def crank_with_cylinder(n: NumberType, sign: Scalar, lengths: DyadLengths, s: Sc
     root = n.sqrt(s)        # refuses a length below zero: root - root is 0, or in arrays NaN
     # angles as cosine, sine, first and second derivative: x of the base seen along the cylinder,
     # theta2 from there to the crank; the transmission angle is that of b
-    sides = triangle(n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)         # (K2)
-    (cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, *_), (cos_2, sin_2, d_2, dd_2) = sides
+    (cos_x, sin_x, d_x, dd_x), (cos_b, sin_b, *_), (cos_2, sin_2, d_2, dd_2) = triangle(
+        n, b * per, rho * per, 0.0, -sign, (s + (root - root)) * per)                      # (K2)
     crank = pairs.turned_by(pairs.turned_by((cos_2, sin_2), of_base), of_pin)
     rod = pairs.turned_by((cos_x, -sin_x), of_base)
     # Half the angle of the crank, without a jump in its range, in which psi is on one side of the

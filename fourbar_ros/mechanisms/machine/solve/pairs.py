@@ -242,18 +242,17 @@ def rrp_pair(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: Dya
     else:
         of_2v = half_angle(n, -sin_x, cos_x, is_zero(n, n.exact_sum((a2, e, -a1))))
         sin_v, cos_v = of_2v.sine, of_2v.cosine
-    slider = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x, sin_v,
-                                cos_v, pair.can_lie_flat)
-    s, first, second = [unit * value for value in slider.s]
+    b, theta2, slide = slides.rod_on_line(n, a1 / unit, a2 / unit, e / unit, sign, cos_x, sin_x,
+                                          sin_v, cos_v, pair.can_lie_flat)
+    s, first, second = [unit * value for value in slide]
     d_s, dd_s = by_input(angle, first, second)
-    rod = LinkMotion(*ends.p, *in_frame(slider.b, line, angle))
+    rod = LinkMotion(*ends.p, *in_frame(b, line, angle))
     block = LinkMotion(foot_x + s * t_x, foot_y + s * t_y, d_s * t_x, d_s * t_y, dd_s * t_x,
                        dd_s * t_y, t_x, t_y, 0.0, 0.0)
-    on_moving = in_frame(slider.theta2, of_a, angle)
     # the transmission angle is that of the rod and the normal of the line: its sine is cos b
-    cos_b, sin_b = slider.b[:2]
+    cos_b, sin_b, *_ = b
     return DyadMotion(rod, block, (s - start, d_s, dd_s), cos_b, sin_b,
-                      {(rod_link, moving): on_moving})
+                      {(rod_link, moving): in_frame(theta2, of_a, angle)})
 
 
 def _bar(is_first: bool, ends: Ends, direction: Direction, slide: tuple[Scalar, ...],
@@ -296,11 +295,11 @@ def rrr_slide(n: NumberType, sign: Scalar, stage: Stage, pair: Pair, lengths: Dy
     on_moving, on_frame = lengths.sizes if first else lengths.sizes[::-1]
     unit, side = n.power_of_two(on_moving, on_frame, e), 1.0 if first else -1.0
     per, (rod_1, rod_2) = 1.0 / unit, (stage.link, stage.link + 1)
-    sides = slides.triangle(n, on_frame * per, on_moving * per, e * per, side * sign,
-                            (slide[0] + shift) * per, pair.can_lie_flat)
+    x, (cos_b, sin_b, *changes), (cos_2, sin_2, d_2, dd_2) = slides.triangle(
+        n, on_frame * per, on_moving * per, e * per, side * sign, (slide[0] + shift) * per,
+        pair.can_lie_flat)
     scaled = slide[1] * per, slide[2] * per
-    (cos_b, sin_b, *changes), (cos_2, sin_2, d_2, dd_2) = sides.b, sides.theta2
-    of_frame = in_frame(sides.x, line, scaled)
+    of_frame = in_frame(x, line, scaled)
     of_moving: Direction = (*turned_by((-cos_b, -sin_b), line), *by_input(scaled, *changes))
     between: Direction = -cos_2, side * sin_2, *by_input(scaled, -side * d_2, -side * dd_2)
     directions = (of_moving, of_frame) if first else (of_frame, of_moving)
