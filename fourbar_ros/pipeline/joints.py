@@ -125,10 +125,9 @@ class SceneJoints:
 
     def of(self, values: Sequence[float]) -> tuple[float, ...]:
         """
-        Return positions, rates and efforts of all joints from the values of one sample.
+        Return positions, then rates, then efforts of all joints from the values of one sample.
 
-        They are in the order of joint_values(). Where a position is unknown, the last known
-        positions stand in if they are to be held.
+        Where a position is unknown, the last known positions stand in if they are to be held.
         """
         positions, rates, last = list(self._positions(values)), self._rates(values), self.angles
         efforts = [0.0] * len(positions)

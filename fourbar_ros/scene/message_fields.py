@@ -21,17 +21,11 @@ STATE_FIELDS = (*THETA1, *THETA2, *THETA3, *THETA4, *BETA, 'transmission_angle',
                 'condition', *TRAVEL)
 MOTION = ('position', 'velocity', 'acceleration')
 WRENCH = ('wrench.force.x', 'wrench.force.y', 'wrench.torque.z')
-OF_JOINTS = ('position', 'velocity', 'effort')          # of a JointState
 DRIVE_WRENCH = ('drive wrench force_x', 'drive wrench force_y', 'drive wrench torque')
 EQUATION = ('inertia', 'inertia_slope', 'bias', 'static_torque', 'torque_of_rest')
 RIGID = ('mass', 'x', 'y', 'inertia')                  # of the linkage held rigid
 PASSIVE_EFFORT = 0.0                                   # frictionless joints
 Source = str | tuple[str | None, ...]      # of a field: see FieldMap
-
-
-def joint_values(count: int) -> tuple[str, ...]:
-    """Return the names of scaled positions, velocities and efforts of joints: joint 1 position."""
-    return tuple(f'joint {i + 1} {field}' for field in OF_JOINTS for i in range(count))
 
 
 class FieldMap(NamedTuple):
@@ -118,13 +112,14 @@ def layout(mechanism: Mechanism, points: Iterable[str], outputs: Collection[str]
     if 'drive_wrench' in outputs:
         add('drive_wrench', dict(zip(WRENCH, DRIVE_WRENCH)))
     if 'joint_states' in outputs:
-        scaled, count = joint_values(len(joints)), len(joints)
-        groups['joint_states'] = slice(len(names), len(names) + len(scaled))
-        names += scaled
-        sources = [scaled[i:i + count] for i in (0, count, 2 * count)]
+        scaled = {field: [f'joint {i} {field}' for i in range(1, len(joints) + 1)]
+                  for field in ('position', 'velocity', 'effort')}
+        begin = len(names)
+        names += [name for of_joints in scaled.values() for name in of_joints]
+        groups['joint_states'] = slice(begin, len(names))
         fields['joint_states'] = {
             field: tuple(of_joints[joint] for joint in shown)
-            for field, of_joints in zip(OF_JOINTS, sources)
+            for field, of_joints in scaled.items()
             if field != 'effort' or with_effort}     # else empty in the message: not known
     return FieldMap(fields, absent, {name: i for i, name in enumerate(names)}, joints, groups)
 
@@ -148,8 +143,3 @@ def driven_of(message: Any, joint: str = '') -> Any:
 def nanoseconds(seconds: float) -> int:
     """Return a time [s] in whole nanoseconds, as stamps and clocks have it: compare such alone."""
     return round(seconds * 1e9)
-
-
-def is_time(sec: int | Array, nanosec: int | Array) -> Any:
-    """Return whether a stamp is a valid time, element by element for arrays."""
-    return (sec >= 0) & (nanosec < 10**9)

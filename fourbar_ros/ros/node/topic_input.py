@@ -10,7 +10,7 @@ from fourbar_ros.ros.messages import Message, sec_nanosec, Stamp
 from fourbar_ros.ros.node import clock_input, entities
 from fourbar_ros.ros.node.joint_senders import JointSenders
 from fourbar_ros.ros.node.stream import Stream
-from fourbar_ros.scene.message_fields import driven_of, is_time, nanoseconds
+from fourbar_ros.scene.message_fields import driven_of, nanoseconds
 from fourbar_ros.scene.topics import INPUTS
 from rclpy.node import Node
 
@@ -191,7 +191,7 @@ class TopicInput:
     def _stamp(self, sec: int, nanosec: int) -> tuple[Stamp, int]:
         """Return the stamp of an input and the same in [ns]; the time of now if it has none."""
         stamp = sec * 10**9 + nanosec
-        is_valid = is_time(sec, nanosec)
+        is_valid = sec >= 0 and nanosec < 10**9
         if stamp and is_valid:
             if stamp > self._plausible:        # the clock is read once in a while only
                 now = self._node.get_clock().now().nanoseconds
