@@ -9,7 +9,7 @@ beside that of a scene, which is read with it: a scene itself holds the numbers 
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from math import atan2, hypot, inf, isnan, pi
+from math import atan2, hypot, inf, pi
 from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, nearest
@@ -19,6 +19,7 @@ from fourbar_ros.mechanisms import parts, pieces
 from fourbar_ros.mechanisms.curves import FIXED
 from fourbar_ros.mechanisms.force_table import ForceTable
 from fourbar_ros.mechanisms.mechanism import Mechanism
+from fourbar_ros.numerics.arguments import quantities_of
 from fourbar_ros.numerics.number_types import ARRAY
 from fourbar_ros.scene.linkage import require_masses
 from fourbar_ros.scene.parameters import names_in, of_name, point_in, require_choice
@@ -113,39 +114,30 @@ def _acts(values: ParameterValues, mechanism: Mechanism, force: acting.PositionF
     return False
 
 
-def weak_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
-    """Yield a line for each spring that is weak beside the links: likely meant in N/mm."""
+def doubtful_springs(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
+    """Yield a line for each spring that is likely meant in N/mm, or lacks its free length."""
     weight = hypot(*field_of(mechanism.gravity)) * sum(
-        body.mass for body in mechanism.bodies or ())       # NaN on an unknown base
-    for name, element in zip(element_names(values), mechanism.elements):
-        if (not isinstance(element, acting.Spring) or not element.stiffness
-                or element.preload):        # which may be most of its force
+        body.mass for body in mechanism.bodies)         # NaN on an unknown base
+    for name, spring in zip(element_names(values), mechanism.elements):
+        if not isinstance(spring, acting.Spring) or not spring.stiffness or (
+                spring.preload and spring.free_length):     # which may be most of its force
             continue
-        force = _largest_force(mechanism, element)
-        if force < max(WEAK * weight, min(WEAKEST, weight)):
+
+        def pull(moving: Any, _: Any, spring: acting.Spring = spring) -> Any:
+            per_length, _, square = spring.tension(ARRAY, moving)
+            return per_length * np.sqrt(square)
+        force = max(map(abs, pieces.span_of(mechanism, pull)))
+        if spring.preload:      # and no free length, as if it were not given
+            yield (f'{name}.free_length = 0: its force grows with its whole length, up to '
+                   f'{force:.4g} N, with a preload of {spring.preload:g} N at length 0: is its '
+                   'free length missing?')
+        elif force < max(WEAK * weight, min(WEAKEST, weight)):      # weak beside the links
             masses = {link: body.mass for link, body in mechanism.bodies._asdict().items()}
             heaviest = max(masses, key=lambda link: masses[link])
-            yield (f'{name}.stiffness = {element.stiffness:g} N/m: its force is at most '
+            yield (f'{name}.stiffness = {spring.stiffness:g} N/m: its force is at most '
                    f'{force:.3g} N, the links weigh {weight:.3g} N: did you mean '
-                   f'{element.stiffness:g} N/mm, or a mass of the {heaviest} below '
+                   f'{spring.stiffness:g} N/mm, or a mass of the {heaviest} below '
                    f'{masses[heaviest]:g} kg?')
-
-
-def preloads_at_no_length(values: ParameterValues, mechanism: Mechanism) -> Iterator[str]:
-    """Yield a line for each spring with a preload and a free length of 0, as if not given."""
-    for name, element in zip(element_names(values), mechanism.elements):
-        if (isinstance(element, acting.Spring) and element.stiffness and element.preload
-                and not element.free_length):
-            yield (f'{name}.free_length = 0: its force grows with its whole length, up to '
-                   f'{_largest_force(mechanism, element):.4g} N, with a preload of '
-                   f'{element.preload:g} N at length 0: is its free length missing?')
-
-
-def _largest_force(mechanism: Mechanism, spring: acting.Spring) -> float:
-    def pull(moving: Any, _: Any) -> Any:
-        per_length, _, square = spring.tension(ARRAY, moving)
-        return per_length * np.sqrt(square)
-    return max(map(abs, pieces.span_of(mechanism, pull)))
 
 
 def _attachment(name: str, values: ParameterValues) -> acting.Attachment:
@@ -299,10 +291,6 @@ def _coordinates(mechanism: Mechanism) -> dict[str, acting.Over]:
     return coordinates
 
 
-OF_DRIVE = 'torque', 'viscous', 'slip_speed'        # fields of friction.drive
-OF_JOINTS = 'coefficient', 'radius', 'length', 'viscous'
-
-
 def friction_of(values: ParameterValues, mechanism: Mechanism) -> 'Friction':
     """Return the friction of joints and drive, friction.NAME.*, as pairs (joint, its friction)."""
     from fourbar_ros.mechanisms import friction  # few mechanisms have any
@@ -313,18 +301,16 @@ def friction_of(values: ParameterValues, mechanism: Mechanism) -> 'Friction':
                                f'acceleration: leave it out, or friction.{names[0]}')
     pairs = list[tuple[str, friction.JointFriction | friction.DriveFriction]]()
     for name in names:
-        is_drive = name == parts.DRIVE
-        fields, unused = (OF_DRIVE, OF_JOINTS) if is_drive else (OF_JOINTS, OF_DRIVE)
-        for field in unused:
-            parameter = of_name(f'friction.{name}.{field}')
-            value = values[parameter.name]
-            if field not in fields and value == value and value != parameter.default:
-                raise InvalidParameter(parameter.name, value,
+        kind: Any = friction.DriveFriction if name == parts.DRIVE else friction.JointFriction
+        fields, given = [field for field, *_ in quantities_of(kind)], dict[str, float]()
+        for parameter, value in values.items():
+            if not parameter.startswith(f'friction.{name}.') or value != value:     # not given
+                continue
+            field = parameter.rpartition('.')[2]
+            if field in fields:
+                given[field] = value
+            elif value != of_name(parameter).default:
+                raise InvalidParameter(parameter, value,
                                        f'friction.{name} has {", ".join(fields)} only')
-        known = {field: values[f'friction.{name}.{field}'] for field in fields}
-        if is_drive:
-            pairs.append((name, friction.DriveFriction(**known)))
-        else:
-            pairs.append((name, friction.JointFriction(
-                **{field: value for field, value in known.items() if not isnan(value)})))
+        pairs.append((name, kind(**given)))
     return tuple(pairs)

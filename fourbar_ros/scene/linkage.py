@@ -323,8 +323,7 @@ def _warnings(scene: Scene) -> Iterator[str]:
     if linkage.elements:
         from fourbar_ros.scene import elements  # few scenes have any
         yield from elements.beyond_tables(values, linkage)
-        yield from elements.weak_springs(values, linkage)
-        yield from elements.preloads_at_no_length(values, linkage)
+        yield from elements.doubtful_springs(values, linkage)
     for joint, friction in linkage.friction:
         coefficient = getattr(friction, 'coefficient', 0.0)
         if coefficient > 1.0:
