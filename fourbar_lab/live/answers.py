@@ -31,7 +31,6 @@ from fourbar_ros.mechanisms.quantities import (
 )
 from fourbar_ros.optional import MissingPackage
 from fourbar_ros.scene.files import flatten, YamlTree
-from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.parameters import of_name, unit_in
 from fourbar_ros.scene.scene import from_values, Scene
 from fourbar_ros.scene.settings import FAMILIES, PARAMETERS
@@ -112,7 +111,7 @@ def structure_of(scene: Scene, known: str = '') -> Answer:
     return {
         'key': key, **({} if key == known else {'module': module.text}),
         'title': linkage.TITLE, 'description': linkage.description,
-        'warnings': warnings_of(scene), 'lacks': lacks(linkage, scene),
+        'warnings': scene.warnings, 'lacks': lacks(linkage, scene),
         'hasLoads': linkage.has_loads, 'isMovedByTorque': scene.dynamics is not None,
         'values': {
             name: value if isfinite(value) else None for name, value in
@@ -223,4 +222,4 @@ ANSWERS: dict[str, Callable[[Scene, Answer], Answer]] = {       # {question: ans
                                                    float(asked['acceleration'])),
     'run': lambda scene, asked: run_answer(scene, float(asked['until'])),
     'gif': lambda scene, asked: gif_answer(scene),
-    'check': lambda scene, asked: {'warnings': warnings_of(scene)}}
+    'check': lambda scene, asked: {'warnings': scene.warnings}}

@@ -16,7 +16,6 @@ from fourbar_ros.optional import lazily
 
 if TYPE_CHECKING:
     from fourbar_ros.scene.files import find, read_values, SceneError
-    from fourbar_ros.scene.linkage import warnings_of
     from fourbar_ros.scene.scene import from_values, load, Scene
     from fourbar_ros.scene.simulated import simulate_scene
     from fourbar_ros.scene.units import quantity

@@ -204,11 +204,6 @@ FAR, FAR_OUT = 50.0, 100.0      # as often the longest length: a point, a radius
 TYPED = '.9g'           # as many digits as are typed; an angle that was converted has more
 
 
-def warnings_of(scene: Scene) -> list[str]:
-    """Return a line for each value of a scene that is allowed but probably not meant."""
-    return list(_warnings(scene))
-
-
 def in_other_units(quantities: Iterable[tuple[str, float, str]], linkage: Mechanism
                    ) -> Iterator[str]:
     """
@@ -259,7 +254,8 @@ def links_without_mass(mechanism: Mechanism) -> list[Link]:
             and bodies[link.name].mass == bodies[link.name].inertia == 0.0]
 
 
-def _warnings(scene: Scene) -> Iterator[str]:
+def warnings_of(scene: Scene) -> Iterator[str]:
+    """Yield a line for each value of a scene that is allowed but probably not meant."""
     values, linkage = scene.values, scene.linkage
     yield from in_other_units(_without_unit(scene), linkage)
 

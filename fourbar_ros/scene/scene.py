@@ -111,7 +111,7 @@ class Scene:
     @cached_property
     def warnings(self) -> list[str]:
         """Return a line for each value that is allowed but probably not meant."""
-        return warnings_of(self)
+        return [*warnings_of(self)]
 
     @cached_property
     def as_json(self) -> str:
