@@ -22,7 +22,6 @@ import numpy as np
 
 if TYPE_CHECKING:      # drawings alone need it
     from fourbar_lab.drawing.paper import PaperFigure as Figure
-    from fourbar_ros.scene.scene import Scene
 
 SAMPLES = 721
 WITHIN = 1e-9        # share of a range left out at ends in toggles, where rates are unbounded
@@ -88,7 +87,7 @@ def make_linkage_figure(mechanism: Mechanism, motion: NamedFields, points: Point
     return figure
 
 
-def make_forces_figure(scene: Scene, linkage: Mechanism, speed: float, acceleration: float = 0.0,
+def make_forces_figure(linkage: Mechanism, speed: float, acceleration: float = 0.0,
                        paper: Paper = Paper()) -> Figure:
     """Return a figure of the forces on the ground over a cycle; CannotDraw without masses."""
     if not linkage.has_loads:

@@ -80,7 +80,7 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
         return axis.make_axis_figure(linkage, rate, None if user_input is None else
                                      poses.position_of(linkage, user_input), paper)
     if over == 'forces':
-        return cycles.make_forces_figure(scene, linkage, rate, change, paper)
+        return cycles.make_forces_figure(linkage, rate, change, paper)
     if over not in ('', 'linkage', 'paths'):
         raise InvalidParameter('over', over, "must be 'linkage', 'paths', 'forces' or 'axis'")
     if user_input is None and not over:

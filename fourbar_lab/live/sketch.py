@@ -71,7 +71,7 @@ def sketch_of(scene: Scene, parameters: Mapping[str, float], points: Mapping[str
             'blocks': [{'joint': block.joint, 'link': block.link, 'direction': block.direction,
                         'isGuided': block.is_guided} for block in outline.blocks],
             'dyads': [{'name': stage.name, 'kind': stage.kind, 'links': stage.links}
-                      for stage in getattr(getattr(mechanism, 'layout', None), 'stages', ())],
+                      for stage in mechanism.layout.stages],
             'letters': {name: labels.letters.get(name, name) for name in outline.joints},
             'ground': outline.ground, 'forces': outline.forces, 'loadsAt': loads_at,
             'symbols': {load: as_written(symbol) for load, symbol in labels.forces.items()},

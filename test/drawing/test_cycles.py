@@ -35,7 +35,7 @@ def test_curves_lie_on_those_of_single_poses(name):
 def test_the_polar_diagram_of_forces_reaches_the_peak_of_the_shaking_force():
     scene = load(find('paper'))
     linkage = scene.linkage
-    curve = lines_of(cycles.make_forces_figure(scene, linkage, 25.0))[0]
+    curve = lines_of(cycles.make_forces_figure(linkage, 25.0))[0]
     angles = np.linspace(-np.pi, np.pi, 20001)
     peak = linkage.loads(angles, 25.0).shaking_force.max()
     assert np.hypot(*curve.T).max() == pytest.approx(peak, rel=1e-4)

@@ -123,7 +123,7 @@ def test_curves_of_plot_have_marks_of_loads():
 
 
 def test_vectors_that_draw_shows():
-    figure = make_forces_figure(THERE, THERE.linkage, SPEED)
+    figure = make_forces_figure(THERE.linkage, SPEED)
     found = [np.hypot(*line.get_data()) for line in figure.axes[0].lines
              if len(line.get_xdata()) == 721]
     assert min(abs(forces[2 * 190] - TRUE.f41) for forces in found) <= CLOSE * TRUE.f41
