@@ -215,16 +215,14 @@ class Run:
         for mode in np.unique(modes).tolist():
             in_mode = modes == mode
             rows[:, in_mode] = mechanism.in_mode(mode).loads(*motion[:, in_mode])
-        loads: NamedFields = mechanism.LOADS(*rows)
-        return loads
+        return mechanism.LOADS(*rows)
 
     def loads_at(self, time: ArrayLike) -> NamedFields:
         """Return the loads at increasing times [s], fields of their shape."""
         times = array('time', time)
         loads = replace(self, asked=checked_times(np.ravel(times), self.duration)).loads
-        record: NamedFields = loads._make(
+        return loads._make(
             [field.reshape(times.shape) if times.shape else float(field[0]) for field in loads])
-        return record
 
     def plot(self) -> Figure:
         """Return a figure of position, rate, acceleration and drive over time, by matplotlib."""

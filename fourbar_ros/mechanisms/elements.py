@@ -157,8 +157,7 @@ class TorsionSpring:
         """Return the angle from the first link to the second, less the free one, in (-pi, pi]."""
         cosine, sine = _turned(links[self.first], links[self.second])
         cos_0, sin_0 = self.free_direction
-        angle: Scalar = n.atan2(sine * cos_0 - cosine * sin_0, cosine * cos_0 + sine * sin_0)
-        return angle
+        return n.atan2(sine * cos_0 - cosine * sin_0, cosine * cos_0 + sine * sin_0)
 
     def tension(self, n: NumberType, links: LinkMotions) -> tuple[Scalar, Scalar, Scalar]:
         """Return k (a - a0), a' and 1 of (E5): moment and growth of the angle."""
@@ -300,8 +299,7 @@ class LinkAngle:
 
     def of(self, n: NumberType, links: LinkMotions) -> Scalar:
         cosine, sine = _turned(links[self.relative_to], links[self.link])
-        angle: Scalar = n.atan2(sine, cosine)
-        return angle
+        return n.atan2(sine, cosine)
 
     def grows(self, links: LinkMotions) -> Scalar:
         """Return a number with the sign of its rate."""
@@ -359,8 +357,7 @@ class Distance:
 
     def of(self, n: NumberType, links: LinkMotions) -> Scalar:
         gap = _apart(self.origin, self.point, links)
-        length: Scalar = n.sqrt(gap.x * gap.x + gap.y * gap.y)
-        return length
+        return n.sqrt(gap.x * gap.x + gap.y * gap.y)
 
     def grows(self, links: LinkMotions) -> Scalar:
         gap = _apart(self.origin, self.point, links)

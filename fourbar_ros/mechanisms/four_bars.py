@@ -44,7 +44,7 @@ from fourbar_ros.mechanisms.geometry import cached_by_lengths
 from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Lengths, one_dyad
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, GROUND, THETA1, THETA2, THETA3, THETA4
-from fourbar_ros.numerics.number_types import exact_sum, Function, REAL, Scalar, scaled, TINY
+from fourbar_ros.numerics.number_types import exact_sum, Operation, REAL, Scalar, scaled, TINY
 
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.machine.seen_from_link import SeenFromLink
@@ -101,7 +101,7 @@ class FourBarLinks(Kind):
                                            (a1, a4, (1.0, 0.0), 1.0, 0.0)),
         four_bar_ranges, singular_angles, kind.FORWARD)}
 
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+    def condition(self, fabs: Operation, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         theta1, theta2, theta3, theta4, beta = [coordinates[each] for each in self.PARTS]
         p, r1, r2, q = lengths
         of_c, of_m, cos_b = theta2, theta3, beta[0]
@@ -111,9 +111,8 @@ class FourBarLinks(Kind):
         elif self.input == parts.JOINT_B:
             r2, q, p, r1 = lengths
             of_c, of_m = theta4, theta1
-        condition: Scalar = ((p * fabs(of_c[0]) + r1 + r2 * fabs(of_m[0]) + q * fabs(cos_b))
-                             / (r2 * fabs(of_m[1]) + TINY))                               # (C1)
-        return condition
+        return ((p * fabs(of_c[0]) + r1 + r2 * fabs(of_m[0]) + q * fabs(cos_b))
+                / (r2 * fabs(of_m[1]) + TINY))                                            # (C1)
 
     def in_line(self, side: float) -> Iterator[tuple[float, float, bool]]:
         """

@@ -96,7 +96,6 @@ def rest_of(loads: NamedFields, carried: Rigid, mechanism: Mechanism) -> NamedFi
     body = Body(carried.mass, cg_along=carried.x, cg_across=carried.y, inertia=carried.inertia)
     needs = needs_of(body, 1.0, base, NOT_APPLIED, FIXED)       # lengths in units of 1 m
     x, y = loads.shaking_force_x + needs.force.x, loads.shaking_force_y + needs.force.y
-    rest: NamedFields = loads._replace(
+    return loads._replace(
         shaking_force_x=x, shaking_force_y=y, shaking_force=float(np.hypot(x, y)),
         shaking_moment=loads.shaking_moment + needs.moment)
-    return rest

@@ -32,7 +32,7 @@ from fourbar_ros.mechanisms.machine.solve.loads import solve_loads
 from fourbar_ros.mechanisms.machine.structure import DyadLengths, Layout, load_fields, Pair, Stage
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import BETA, Coordinate, THETA1, THETA2, THETA3, THETA4, TRAVEL
-from fourbar_ros.numerics.number_types import Function, NumberType, power_of_two, Scalar
+from fourbar_ros.numerics.number_types import NumberType, Operation, power_of_two, Scalar
 
 # Outputs at a dead point that differ by less, as part of a turn or of the lengths, are the same.
 NEAR_DEAD_POINT = 1e-6
@@ -226,7 +226,7 @@ class Kind(Mechanism):
         return self.MOTION._make(fields)
 
     @abstractmethod
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+    def condition(self, fabs: Operation, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         """Return the error of the output, in units of lengths or [rad], in a pose."""
 
     def link_motions(self, motion: parts.NamedFields, lengths: Lengths | None = None

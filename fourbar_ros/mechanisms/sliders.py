@@ -37,7 +37,7 @@ from fourbar_ros.mechanisms.kind import Coordinates, DrivenMachine, Kind, Length
 from fourbar_ros.mechanisms.machine.structure import DyadLengths
 from fourbar_ros.mechanisms.parts import BETA, CRANK, SLIDE, THETA1, THETA2, THETA4, TRAVEL
 from fourbar_ros.numerics import number_types
-from fourbar_ros.numerics.number_types import exact_sum, Function, NumberType, REAL, Scalar, TINY
+from fourbar_ros.numerics.number_types import exact_sum, NumberType, Operation, REAL, Scalar, TINY
 
 AT_O = (0.0, 0.0)      # as a place
 GUIDE = parts.Length('offset', 'y of the guide', signed=True)
@@ -143,12 +143,11 @@ class SliderCrank(Kind):
              **OF_DRIVEN_SLIDER}, reversed={'coupler': 'a2'},
             transmission=lambda _, coordinates: coordinates[THETA2])}
 
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+    def condition(self, fabs: Operation, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         a1, a2, offset = lengths
         (cos_2, sin_2, *_), (cos_b, sin_b, *_) = coordinates[THETA2], coordinates[BETA]
-        condition: Scalar = (a1 * fabs(cos_2) + a2 + fabs(offset * sin_b)) / (            # (C2)
+        return (a1 * fabs(cos_2) + a2 + fabs(offset * sin_b)) / (                         # (C2)
             (fabs(cos_b) if self.input == CRANK else a1 * fabs(sin_2)) + TINY)
-        return condition
 
     def stalls(self, side: float) -> Iterator[tuple[Any, ...]]:
         """Yield where coupler and crank are in line, or driven by a slide square to each other."""
@@ -275,7 +274,7 @@ class InvertedSlider(Kind):
              **OF_DRIVEN_SLIDER}, reversed={'crank': 'a1', parts.GROUND: 'a4'}, sign=-1.0,
             transmission=angle_at_pin, corrected=guide_force_by_moments)}
 
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+    def condition(self, fabs: Operation, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         (a1, a4, offset), (cosine, sine, *_) = lengths, coordinates[THETA1]
         if self.input == CRANK:
             error = (a1 * fabs(coordinates[THETA2][1]) + a4 * fabs(coordinates[THETA4][1])
@@ -284,8 +283,7 @@ class InvertedSlider(Kind):
         else:
             error = a1 * fabs(a1 - a4 * cosine) + a4 * fabs(a4 - a1 * cosine) + offset * offset
             size = a1 * a4 * fabs(sine)
-        condition: Scalar = error / (size + TINY)                                         # (C3)
-        return condition
+        return error / (size + TINY)                                                      # (C3)
 
     def stalls(self, side: float) -> Iterator[tuple[float, float]]:
         """Yield where the crank is square to the bar, or driven by the slide A at its foot."""
@@ -400,11 +398,10 @@ class ScotchYoke(Kind):
     def modes(self) -> dict[int, str]:
         return {1: '1', 2: '2'} if self.input == SLIDE else {2: '2, the only one'}
 
-    def condition(self, fabs: Function, lengths: Lengths, coordinates: Coordinates) -> Scalar:
+    def condition(self, fabs: Operation, lengths: Lengths, coordinates: Coordinates) -> Scalar:
         cosine, sine, *_ = coordinates[THETA1]
-        condition: Scalar = (lengths[0] * fabs(cosine) if self.input == CRANK             # (C4)
-                             else fabs(cosine / sine))
-        return condition
+        return (lengths[0] * fabs(cosine) if self.input == CRANK                          # (C4)
+                else fabs(cosine / sine))
 
     def stalls(self, side: float) -> tuple[tuple[float, float], ...]:
         return ((0.0, self.a1), (pi, -self.a1)) if self.input == CRANK else ()

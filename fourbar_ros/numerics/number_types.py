@@ -28,6 +28,7 @@ Function = Callable[..., Any]
 # A number of any type in a formula. Type checkers take it for a float: a formula uses nothing of
 # its numbers that floats do not have.
 Scalar = float
+Operation = Callable[..., Scalar]        # of the functions of a number type
 
 _Choice = TypeVar('_Choice')
 
@@ -46,24 +47,23 @@ TINY = 2.0**-1074
 class NumberType:
     """The functions that formulas may use, for one type of number."""
 
-    sin: Function       # these as in math
-    cos: Function
-    sqrt: Function
-    atan2: Function
-    hypot: Function
-    fabs: Function
+    sin: Operation      # these as in math
+    cos: Operation
+    sqrt: Operation
+    atan2: Operation
+    hypot: Operation
+    fabs: Operation
     # where(condition, if_true, if_false); both may be tuples of equal length, and both are
     # computed, whatever the condition: neither may divide by zero
     where: Function
-    exact_sum: Function         # of a tuple of lengths, see exact_sum()
-    power_of_two: Function      # next above the largest of some lengths: scaling rounds nothing
+    exact_sum: Operation        # of a tuple of lengths, see exact_sum()
+    power_of_two: Operation     # next above the largest of some lengths: scaling rounds nothing
     # call(function, x): a function that is no formula, as a table, of a float or an array
     call: Function = lambda function, x: function(x)
 
     def difference_of_squares(self, a: Scalar, b: Scalar, c: Scalar, d: Scalar) -> Scalar:
         """Return (a + b)^2 - (c + d)^2, a product of exact sums: it keeps digits near zero."""
-        product: Scalar = self.exact_sum((a, b, c, d)) * self.exact_sum((a, b, -c, -d))
-        return product
+        return self.exact_sum((a, b, c, d)) * self.exact_sum((a, b, -c, -d))
 
 
 def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
@@ -72,8 +72,7 @@ def choose(condition: bool, if_true: _Choice, if_false: _Choice) -> _Choice:
 
 def is_zero(n: NumberType, value: Scalar) -> bool:
     """Return whether a number that data alone make is 0.0, as its complex step may not be."""
-    is_nothing: bool = n.fabs(value).real < NOTHING
-    return is_nothing
+    return n.fabs(value).real < NOTHING
 
 
 def exact_sum(terms: Sequence[float]) -> float:
