@@ -343,7 +343,7 @@ def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state
 
     def edges_at(time: float, state: Sequence[float]) -> Sequence[float]:
         try:
-            return resisting(time, state).edges
+            return resisting(time, state)[1]
         except (FourBarError, ArithmeticError):      # no step of the integrator ends there
             return ()
     # the start may be such an event itself: the signs are read a little ahead, and an edge that

@@ -17,7 +17,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
 from math import inf
-from typing import NamedTuple
 
 from fourbar_ros.dynamics.coordinate import Coordinates, MotionCoordinate
 from fourbar_ros.dynamics.equation import compiled, Equation
@@ -31,13 +30,6 @@ from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 State = Sequence[float]
 SLIP_SPEED = 1e-4         # [rad/s], [m/s] of the input, within which friction is smooth
 NEAR_TOGGLE = 1e-6        # part of half its range at whose distance an input is at its limit
-
-
-class Resisted(NamedTuple):
-    """A derivative with friction, and where it is not smooth."""
-
-    change: tuple[float, ...]       # d state / dt
-    edges: Sequence[float]          # of Resistance: where one of them is zero
 
 
 class System:
@@ -150,7 +142,7 @@ class System:
         equation, drive = coordinate.equation, self.drive
         if self.equation.has_resistance:
             resisting = self.make_resisting(coordinate)
-            return lambda time, state: resisting(time, state).change
+            return lambda time, state: resisting(time, state)[0]
         if drive is None or drive.shaft is None and has_law(drive.source):
             with suppress(TypeError):       # of a user's law of floats alone: no formula
                 change_of = compiled(partial(self._make_change, equation), equation.coordinate,
@@ -188,13 +180,14 @@ class System:
                     *changes, *power)
         return change
 
-    def make_resisting(self, coordinate: MotionCoordinate
-                       ) -> Callable[[float, State], Resisted]:
-        """Return (time, state) -> :class:`Resisted`; it raises Locked."""
+    def make_resisting(self, coordinate: MotionCoordinate) -> Callable[
+            [float, State], tuple[tuple[float, ...], Sequence[float]]]:
+        """Return (time, state) -> d state / dt with friction, edges of it; it raises Locked."""
+        # edges: numbers, of Resistance; where one of them is zero it is not smooth
         from fourbar_ros.mechanisms.friction import dry_joints  # few mechanisms have any
         terms_of, resistance = coordinate.equation.fields_of_terms, coordinate.equation.resistance
 
-        def resisting(time: float, state: State) -> Resisted:
+        def resisting(time: float, state: State) -> tuple[tuple[float, ...], Sequence[float]]:
             position, rate = state[:2]
             torque, change = self._drive(time, state) if self.drive else (0.0, ())
             inertia, half_slope, force, damping, couples, *_ = terms_of(position)
@@ -205,6 +198,6 @@ class System:
                 driven = self.mechanism.input_coordinate
                 raise Locked(driven.position, position, driven.unit, dry_joints(self.mechanism))
             effort, friction = resisted.effort, resisted.friction
-            return Resisted((rate, (push - effort) / inertia, *change, friction * rate,     # (E9)
-                             (torque + couples - effort) * rate), resisted.edges)           # (E6)
+            return (rate, (push - effort) / inertia, *change, friction * rate,              # (E9)
+                    (torque + couples - effort) * rate), resisted.edges                     # (E6)
         return resisting
