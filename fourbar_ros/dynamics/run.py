@@ -226,8 +226,7 @@ class Run:
 
     def plot(self) -> Figure:
         """Return a figure of position, rate, acceleration and drive over time, by matplotlib."""
-        figure: Figure = from_lab('plot_run', 'a plot', self)
-        return figure
+        return from_lab('plot_run', 'a plot', self)
 
     @property
     def _facts(self) -> dict[str, object]:

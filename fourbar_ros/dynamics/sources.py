@@ -66,13 +66,11 @@ class Piece(NamedTuple):
 
     def torque_at(self, speed: float, state: float) -> float:
         """Return the torque T [N m] at a speed and a state, (A9)."""
-        torque: float = self.torque + self.by_speed * speed + self.by_state * state
-        return torque
+        return self.torque + self.by_speed * speed + self.by_state * state
 
     def change_at(self, speed: float, state: float) -> float:
         """Return dz/dt of the state at a speed and a state, (A9)."""
-        change: float = self.change + self.change_by_speed * speed + self.change_by_state * state
-        return change
+        return self.change + self.change_by_speed * speed + self.change_by_state * state
 
 
 class Law(ABC):

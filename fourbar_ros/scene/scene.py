@@ -85,8 +85,7 @@ class Scene:
         verb: ``over`` 'linkage' (alone), 'paths', 'forces' or 'axis', ``speed``,
         ``acceleration``, ``mode``, ``title``, ``width`` ('88mm').
         """
-        figure: Figure = from_lab('draw', 'a drawing', self, at, **options)
-        return figure
+        return from_lab('draw', 'a drawing', self, at, **options)
 
     def plot(self, *quantities: str, **options: Any) -> Figure:
         """
@@ -95,8 +94,7 @@ class Scene:
         Of none: rates, accelerations, loads. Options: ``speed``, ``acceleration``, ``mode``,
         ``samples``, ``units`` ('mm,kN'), ``title``, ``width``.
         """
-        figure: Figure = from_lab('plot', 'a plot', self, *quantities, **options)
-        return figure
+        return from_lab('plot', 'a plot', self, *quantities, **options)
 
     def table(self, *quantities: str, **options: Any) -> DataFrame:
         """
@@ -105,8 +103,7 @@ class Scene:
         Of none: all. Options: ``speed``, ``acceleration``, ``mode``, ``samples``, ``units``, or
         ``speeds`` (low, high): what the drive must give.
         """
-        frame: DataFrame = from_lab('table', 'a frame', self, *quantities, **options)
-        return frame
+        return from_lab('table', 'a frame', self, *quantities, **options)
 
     @cached_property
     def warnings(self) -> list[str]:
