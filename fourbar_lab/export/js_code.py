@@ -9,7 +9,6 @@ length that gets one is another structure: another module.
 """
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import cached_property
 import json
 from math import inf, isfinite, tau
@@ -73,7 +72,7 @@ class JsModule:
         """Return the constants of the mechanism, numbers of type n, with changed parameters."""
         from fourbar_ros.machine import Machine
         mechanism, values = self.mechanism, {**self.scene.values, **changed}
-        constants = constants_of(replace(self.scene, linkage=mechanism), values, n)
+        constants = constants_of(self.scene, values, n)
         if isinstance(mechanism.gravity, Base):
             constants = constants._replace(gravity=Base(*[
                 changed[f'base.{field}'] for field in Base._fields]))

@@ -31,7 +31,7 @@ def mjcf(model: RobotModel) -> str:
         if closure.is_driven:       # B of a four-bar
             raise NoDescription(f'the loop is cut at joint {closure.name}, which is driven, and '
                                 'MuJoCo has no motor there')
-    root = Element('mujoco', model=model.name)
+    root = Element('mujoco', model=model.root)
     comment(root, model.title)
     # roll, pitch, yaw about fixed axes, as in URDF
     add(root, 'compiler', angle='radian', autolimits='true', eulerseq='XYZ')

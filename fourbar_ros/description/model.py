@@ -95,9 +95,8 @@ class RobotModel(NamedTuple):
     ``size``: the longest length [m].
     """
 
-    name: str
     title: str
-    root: str
+    root: str                   # frame of the ground, by which programs call it
     frame: NamedFields          # where the root lies, if it has a parent
     links: tuple[ModelLink, ...]
     closures: tuple[ModelJoint, ...]            # joints at which a loop is cut
@@ -178,8 +177,8 @@ def model_of(scene: Scene) -> RobotModel:
     closures = tuple(joints[index] for index in cut)
     points = {f'{scene.joint_states.prefix}{name}': (frames[point.link], point.along, point.across)
               for name, point in scene.points.items()}
-    model = RobotModel(scene.frame_id, f'{mechanism.description}, mode {mechanism.mode}',
-                       scene.frame_id, scene.frame, links, closures, points, shapes[GROUND],
+    model = RobotModel(f'{mechanism.description}, mode {mechanism.mode}', scene.frame_id,
+                       scene.frame, links, closures, points, shapes[GROUND],
                        field_of(mechanism.gravity), size, position)
     names = [scene.frame.parent, model.root, *(joint.child for joint in model.joints), *points,
              *(frame for closure in closures for frame in closure.closing_frames)]

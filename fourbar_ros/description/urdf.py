@@ -22,7 +22,7 @@ UNLIMITED = 1e9        # URDF wants an effort and a rate that a limited joint do
 
 
 def urdf(model: RobotModel) -> str:
-    robot = Element('robot', name=model.name)
+    robot = Element('robot', name=model.root)
     comment(robot, model.title)
     if model.frame.parent:
         add(robot, 'link', name=model.frame.parent)
