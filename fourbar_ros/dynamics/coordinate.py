@@ -24,7 +24,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from math import inf, remainder, tau
 from operator import attrgetter
-from typing import Any, TYPE_CHECKING, Union
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.dynamics.equation import compiled, Equation
 from fourbar_ros.errors import FourBarError
@@ -37,7 +37,7 @@ from numpy.typing import ArrayLike, NDArray
 if TYPE_CHECKING:
     from fourbar_ros.dynamics.system import System
 
-State = Union[Sequence[float], Array]
+State = Sequence[float] | Array
 LONGEST, FARTHEST = 2.0, 1e3      # |do/dp| at which o takes over from p; its bound in an event
 NEXT_TO_TOGGLE = 1e-6             # distance from an end of the range over half its length
 

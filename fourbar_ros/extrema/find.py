@@ -12,7 +12,7 @@ points. Quantities that go on there are searched through them.
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import partial
 from math import inf, isfinite, isnan, nan
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import in_words, InvalidParameter
 from fourbar_ros.extrema.input_paths import input_paths, InputPath, unresolved
@@ -121,8 +121,8 @@ class ExtremaList(list[Extremum]):
 
 
 # Quantities that are asked for: names, Quantity or functions (motion, loads) -> value.
-AskedQuantity = Union[str, Named, Callable[..., Any]]
-AskedQuantities = Union[AskedQuantity, Collection[AskedQuantity]]
+AskedQuantity = str | Named | Callable[..., Any]
+AskedQuantities = AskedQuantity | Collection[AskedQuantity]
 
 
 def find_extrema(linkage: Mechanism, quantities: AskedQuantities = (), rate: float = 1.0,

@@ -16,7 +16,7 @@ from functools import cache
 from itertools import repeat
 from math import pi, sqrt
 from numbers import Real
-from typing import Any, ClassVar, NamedTuple, Union
+from typing import Any, ClassVar, NamedTuple
 
 from fourbar_ros.errors import InvalidParameter
 from fourbar_ros.extrema.input_paths import InputPath
@@ -49,7 +49,7 @@ SAME_TURN = 2.0**-30        # middles of angles that differ by less, as part of 
 # Step of real differences of fourth order, in samples: their error is about as large as rounding.
 DIFFERENCE = 2.0**-6
 
-State = tuple[NamedFields, Union[NamedFields, NoLoads]]     # motion and loads of floats or arrays
+State = tuple[NamedFields, NamedFields | NoLoads]     # motion and loads of floats or arrays
 
 
 class Samples(NamedTuple):

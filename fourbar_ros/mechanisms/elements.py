@@ -18,7 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, KW_ONLY, replace
 from functools import cached_property
 from math import ceil, degrees, inf, lcm, remainder, tau
-from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING, Union
+from typing import Any, ClassVar, NamedTuple, TYPE_CHECKING
 
 from fourbar_ros.errors import InvalidParameter, UnknownForce
 from fourbar_ros.mechanics.bodies import Applied, NOT_APPLIED, unchecked
@@ -364,7 +364,7 @@ class Distance:
         return gap.x * gap.v_x + gap.y * gap.v_y
 
 
-Over = Union[str, LinkAngle, Way, Distance]        # INPUT and these: the s of a force
+Over = str | LinkAngle | Way | Distance        # INPUT and these: the s of a force
 
 
 @dataclass(frozen=True)
@@ -538,7 +538,7 @@ def refuses_turns(element: Element) -> bool:
     return table is not None and not table.is_periodic and table.values[0] != table.values[-1]
 
 
-Element = Union[Spring, TorsionSpring, PositionForce]
+Element = Spring | TorsionSpring | PositionForce
 
 
 def _require_kind(name: str, value: Any, kind: type) -> None:

@@ -8,7 +8,7 @@ from dataclasses import fields as fields_of
 from dataclasses import replace
 from functools import cached_property
 from math import degrees, fsum, inf, lcm, nan, pi, remainder
-from typing import Any, TYPE_CHECKING, TypeVar
+from typing import Any, Self, TYPE_CHECKING, TypeVar
 
 from fourbar_ros.errors import InvalidParameter, one_of, OutOfRange
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, External, NOT_APPLIED
@@ -22,7 +22,6 @@ import numpy as np
 if TYPE_CHECKING:
     from fourbar_ros.mechanisms.elements import Element
 
-_Self = TypeVar('_Self', bound='MechanismGeometry')
 _T = TypeVar('_T')
 # Nearer to a limit that is a change point than this, in units of the input, accelerations are
 # noise: their error is some eps over the third power of the distance.
@@ -308,14 +307,14 @@ class MechanismGeometry(StatedMechanism):
         """Return the fields to be pickled: functions made of them can be neither sent nor kept."""
         return {field.name: getattr(self, field.name) for field in fields_of(self)}
 
-    def in_mode(self: _Self, mode: int) -> _Self:
+    def in_mode(self, mode: int) -> Self:
         return self if mode == self.mode else replace(self, mode=mode)
 
-    def without_stroke(self: _Self) -> _Self:
+    def without_stroke(self) -> Self:
         """Return the same mechanism without a stroke, so that poses beyond it are computed."""
         return self if self.stroke is None else self._copy(stroke=None)
 
-    def with_lengths(self: _Self, lengths: Sequence[float]) -> _Self:
+    def with_lengths(self, lengths: Sequence[float]) -> Self:
         """Return the same mechanism with other ``lengths`` [m], in the order of its own."""
         return replace(self, **self.lengths_by_name(lengths))
 
@@ -329,40 +328,40 @@ class MechanismGeometry(StatedMechanism):
     def constants_of(self, lengths: Sequence[Scalar]) -> Constants:
         return self.constants._replace(lengths=tuple(lengths))
 
-    def with_loads(self: _Self, **loads: Any) -> _Self:
+    def with_loads(self, **loads: Any) -> Self:
         """Return the same with other bodies, gravity and external loads, sharing geometry."""
         copied: Any = self._with(**loads)
         copied.__post_init__()          # which checks them
         return copied       # type: ignore[no-any-return]
 
-    def with_external(self: _Self, external: External) -> _Self:
+    def with_external(self, external: External) -> Self:
         """Return the same mechanism with other external loads, sharing ranges and traces."""
         # a record of its own has been checked as it was made, and a node gives one each sample
         return (self._with(external=external) if type(external) is self.EXTERNAL
                 else self.with_loads(external=external))
 
-    def with_elements(self: _Self, *elements: Element) -> _Self:
+    def with_elements(self, *elements: Element) -> Self:
         """Return the same mechanism with these springs, dampers and forces over a position."""
         copied = self._with(elements=elements)
         copied._check_fit()
         return copied
 
-    def with_friction(self: _Self, friction: Any) -> _Self:
+    def with_friction(self, friction: Any) -> Self:
         """Return the same mechanism with friction of joints and drive, {name: its friction}."""
         copied = self._with(friction=friction)
         return copied._with(friction=checks.friction_of(copied))
 
-    def with_base(self: _Self, base: Base) -> _Self:
+    def with_base(self, base: Base) -> Self:
         """Return the same mechanism on a body that moves, which takes the place of gravity."""
         return self._with(gravity=checks.checked_gravity(checks.required_base(base)))
 
-    def _with(self: _Self, **loads: object) -> _Self:
+    def _with(self, **loads: object) -> Self:
         """Return an unchecked copy with other loads, and with what follows from geometry alone."""
         return self._copy(**{
             name: value for name, value in list(self.__dict__.items())
             if isinstance(getattr(type(self), name, None), cached_by_lengths)}, **loads)
 
-    def _copy(self: _Self, **changed: object) -> _Self:
+    def _copy(self, **changed: object) -> Self:
         """Return a copy with other fields, unchecked and without any cached property."""
         copied = object.__new__(type(self))
         fields = {name: value for name, value in self.__dict__.items()

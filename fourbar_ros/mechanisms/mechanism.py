@@ -15,7 +15,7 @@ from functools import cache, cached_property
 from math import inf, isfinite, isnan
 from numbers import Real
 from types import SimpleNamespace
-from typing import Any, NoReturn, TYPE_CHECKING, TypeVar, Union
+from typing import Any, NoReturn, Self, TYPE_CHECKING, Union
 
 from fourbar_ros import errors
 from fourbar_ros.mechanics.bodies import Base, NOT_APPLIED, UnknownBase
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
 
 # Links and the coordinate that drives them: a mechanism, or the same links driven at another one.
 DrivenLinks = Union['Mechanism', 'SeenFromLink']
-_Self = TypeVar('_Self', bound='Mechanism')
 LONGEST = 20.0      # [m] what is longer is likely in millimetres
 # what tab completion shows besides the fields
 SHOWN = ('bias', 'change_point_margin', 'classification', 'dead_points', 'description', 'holding',
@@ -255,7 +254,7 @@ class Mechanism(MechanismGeometry):
         return loads_on_bases(self, (position, rate, acceleration), base)
 
     @cached_property
-    def weightless(self: _Self) -> _Self:
+    def weightless(self) -> Self:
         """Return the same mechanism without all that acts on it: masses alone."""
         external = self.EXTERNAL._make([NOT_APPLIED] * len(self.EXTERNAL._fields))
         return self._with(gravity=(0.0, 0.0), external=external, elements=(), friction=())
@@ -293,7 +292,7 @@ class Mechanism(MechanismGeometry):
         """Return the slip speed of constants of any number type, None where there is none."""
         return constants.friction[-1].slip_speed if self.slip_speed else None
 
-    def with_slip_speed(self: _Self, slip_speed: float) -> _Self:
+    def with_slip_speed(self, slip_speed: float) -> Self:
         """Return the same mechanism with a slip speed, where what acts has a direction."""
         # That is friction, and forces over a position that act one way. One that has it keeps it.
         if self.slip_speed or not self.has_direction:
@@ -339,7 +338,7 @@ class Mechanism(MechanismGeometry):
                                           f'{what} takes no friction yet')
 
     @cached_property
-    def without_friction(self: _Self) -> _Self:
+    def without_friction(self) -> Self:
         return self._with(friction=()) if self.friction else self
 
     @property

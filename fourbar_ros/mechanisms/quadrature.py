@@ -23,10 +23,7 @@ POINTS, MOST, AGREE = 128, 512, 1e-12
 # both halves together agree with the whole: at most so many times, so many parts at once.
 POINTS_OF_PART, HALVINGS, PARTS = 16, 60, 4096
 
-
-@lru_cache(maxsize=8)
-def _gauss(points: int) -> tuple[Array, Array]:
-    return np.polynomial.legendre.leggauss(points)
+_gauss = lru_cache(maxsize=8)(np.polynomial.legendre.leggauss)      # points -> roots, weights
 
 
 def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Ranges = ()) -> Ranges:

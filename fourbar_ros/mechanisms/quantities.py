@@ -3,7 +3,7 @@
 """Quantities by name, to be searched for extrema, tabulated and plotted."""
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple
 
 from fourbar_ros.errors import FourBarError, InvalidParameter, nearest
 from fourbar_ros.mechanisms.curves import point_of
@@ -123,8 +123,8 @@ def _size(mechanism: Mechanism, link: str, along: float, across: float, fields: 
     return size
 
 
-Asked = Union[Quantity, Function]      # what follows from a motion and its loads
-Named = Union[Asked, OfDrive]          # what may be asked for by name
+Asked = Quantity | Function      # what follows from a motion and its loads
+Named = Asked | OfDrive          # what may be asked for by name
 
 QUANTITIES = {quantity.name: quantity for quantity in (
     Quantity('omega4', 'rad/s', 'angular velocity of the output link', False),

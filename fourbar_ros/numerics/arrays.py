@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The type of numpy arrays in annotations, and how finely floats are spaced."""
 from math import pi
-from typing import Any, TypeVar, Union
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ Array = NDArray[Any]
 EPS = 2.0**-52      # of 1.0 to the next float
 # Type of what is a number or an array of numbers: the result is what the argument is.
 Value = TypeVar('Value', float, Array)
-Values = Union[float, Array]
+Values = float | Array
 
 
 def sine_between(low: Value, high: Value, phi: Any) -> Array:

@@ -22,7 +22,7 @@ from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from functools import cached_property
 import math
 import operator
-from typing import Any, NamedTuple, Union
+from typing import Any, NamedTuple
 
 from fourbar_ros.numerics import number_types
 from fourbar_ros.numerics.number_types import converted, Function, numbers_of, NumberType
@@ -79,7 +79,7 @@ class Number:
 
 
 # What an operation of a trace is written down for.
-Recordable = Union[Number, float]
+Recordable = Number | float
 
 
 def _method(name: str, is_reflected: bool) -> Function:

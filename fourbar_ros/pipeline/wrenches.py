@@ -9,7 +9,7 @@ motion of the base is as an inertial measurement unit on it shows it.
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from math import hypot, inf, isfinite, nan
-from typing import Any, cast, NamedTuple, Union
+from typing import Any, cast, NamedTuple
 
 from fourbar_ros.mechanics.bodies import Applied, Base, External, UNKNOWN_BASE
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -28,7 +28,7 @@ class Wrench(NamedTuple):
 
 UNKNOWN = Wrench(nan, nan, nan)
 LONGER = 2.5         # steps between two messages of an IMU: one may be lost
-ActingInput = Union[Wrench, Base]      # on a link, or the motion of the base
+ActingInput = Wrench | Base      # on a link, or the motion of the base
 
 
 def acting_of(message: Any) -> ActingInput:

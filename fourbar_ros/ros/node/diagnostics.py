@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import isnan
 import time
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from fourbar_ros.pipeline.stepper import OK, STATUS_NAMES
@@ -27,7 +27,7 @@ HARMLESS = ('received', 'torques', 'of_other_joints', 'trajectories')   # counte
 class Diagnostics:
     """Publishes the health of a node."""
 
-    def __init__(self, node: Node, stream: Stream, source: Union[ClockInput, TopicInput],
+    def __init__(self, node: Node, stream: Stream, source: ClockInput | TopicInput,
                  recording: Recording, troubles: Troubles) -> None:
         self._node, self._stream, self._input = node, stream, source
         self._recording, self._troubles = recording, troubles

@@ -10,7 +10,6 @@ first moving joint with labels beside the mechanism.
 """
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from math import atan2, cos, inf, isnan, sin
-from typing import Union
 
 from fourbar_ros.errors import FourBarError
 from fourbar_ros.mechanisms import picture as pictures
@@ -28,7 +27,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 LONGEST = 0.4          # length of the longest arrow over the size of the mechanism
 WIDTH = 0.02           # width of a link over that size
 Colour = tuple[float, float, float]
-MarkerPoint = Union[Sequence[float], Array]       # x, y, or x, y, z [m]
+MarkerPoint = Sequence[float] | Array       # x, y, or x, y, z [m]
 
 LINK, JOINT, BLOCK = (0.20, 0.45, 0.70), (0.15, 0.15, 0.15), (0.45, 0.45, 0.45)
 FORCE, MOMENT, POINT = (0.10, 0.55, 0.20), (0.75, 0.35, 0.05), (0.55, 0.30, 0.00)

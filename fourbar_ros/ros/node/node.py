@@ -8,7 +8,7 @@ from concurrent.futures import Future, wait
 from math import copysign, inf, isnan
 from pathlib import Path
 import time
-from typing import Any, TYPE_CHECKING, Union
+from typing import Any, TYPE_CHECKING
 
 from fourbar_ros.errors import FourBarError, InvalidParameter
 from fourbar_ros.ros.node import clock_input, diagnostics, entities, rclpy_guard, stream
@@ -58,7 +58,7 @@ class FourBarNode(rclpy_guard.GuardedNode):
                         for worker in {*wanted, rclpy_guard.CHANGES}}
         self.troubles, recording = entities.Troubles(self), Recording(self)
         self.stream = stream.Stream(self, stream.RunningScene(scene), recording, self.troubles)
-        self.input: Union[clock_input.ClockInput, TopicInput]
+        self.input: clock_input.ClockInput | TopicInput
         if scene.drive.source == 'timer':
             self.input = clock_input.ClockInput(self, self.stream, self.troubles)
         elif scene.drive.source in settings.SOURCES:      # torque or motor
