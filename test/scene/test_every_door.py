@@ -246,4 +246,4 @@ def test_python_and_the_page_warn_too_and_all_read_the_same_numbers(typed):
     page = scene_of({**there.values, 'linkage.a1': 50, 'linkage.a2': '150 m',
                      'linkage.a3': '1e5 mm', 'linkage.a4': '12500 cm'})
     assert page.values == there.values
-    assert structure_of(page)['warnings'] == scene.warnings_of(there)
+    assert structure_of(page)['warnings'] == there.warnings

@@ -7,7 +7,7 @@ import warnings
 from fourbar_ros import flat_bar
 from fourbar_ros.cli.main import main
 from fourbar_ros.errors import SceneWarning
-from fourbar_ros.scene import from_values, load, warnings_of
+from fourbar_ros.scene import from_values, load
 from fourbar_ros.scene.files import folder
 import pytest
 from support.scenes import PAPER, RODS
@@ -95,7 +95,7 @@ SPRING = {'springs.back.second.link': 'crank', 'springs.back.second.along': 0.4,
     ({'linkage.a1': 50.0, 'linkage.a2': 90.0, 'linkage.a3': 80.0, 'linkage.a4': 70.0,
       'drive.start': 45.0, **RODS}, ['linkage.a1', 'drive.start'])])
 def test_what_is_hardly_meant_is_one_line_each(changes, said):
-    found = warnings_of(from_values({**PAPER, **changes}))
+    found = from_values({**PAPER, **changes}).warnings
     assert len(found) == len(said)
     assert all(part in line and '\n' not in line for part, line in zip(said, found))
 
@@ -109,7 +109,7 @@ def test_a_table_that_ends_too_early_says_so_in_its_unit(unit, size):
         'forces.cut.places': [place / size for place in (0.185, 0.19, 0.195)],
         'forces.cut.values': [0.0, 5.0, 8.0], 'forces.cut.place_unit': unit,
         'outputs': ['state'], 'bodies.output.mass': 1.0})
-    line, = warnings_of(scene)
+    line, = scene.warnings
     first, last, low, high = (f'{place / size:.6g}' for place in (0.185, 0.195, 0.12, 0.2))
     assert f'goes from {first} to {last}, slide from {low} to {high} {unit or "m"}: ' in line
 
@@ -145,11 +145,11 @@ def test_a_table_that_ends_too_early_says_so_in_its_unit(unit, size):
      'from 0.3 to 0.4, distance from 0.12 to 0.2 m')])
 def test_a_force_that_never_acts_is_one_line(changes, said):
     force = {'link': 'output', 'acts': 'x', 'over': 'slide', 'values': [0.0, 5.0], **changes}
-    lines = [line for line in warnings_of(from_values({
+    lines = [line for line in from_values({
         'linkage.kind': 'slider_crank', 'linkage.a1': 0.04, 'linkage.a2': 0.16, **RODS,
         'outputs': ['state'], 'bodies.output.mass': 1.0, 'points.pin.link': 'crank',
         'points.pin.along': 0.04,
-        **{f'forces.cut.{name}': value for name, value in force.items()}}))
+        **{f'forces.cut.{name}': value for name, value in force.items()}}).warnings
         if 'never acts' in line]
     assert len(lines) == bool(said)
     assert all(line.startswith('forces.cut never acts: ') and line.endswith(said)
@@ -158,15 +158,15 @@ def test_a_force_that_never_acts_is_one_line(changes, said):
 
 def test_a_block_has_a_mass_or_a_line_where_the_weight_of_rods_counts():
     press = {**dict(load('toggle_press').values), **RODS}
-    assert warnings_of(from_values({**press, 'gravity.y': -9.81})) == []
+    assert from_values({**press, 'gravity.y': -9.81}).warnings == []
     press['bodies.ram.mass'] = 0.0
-    assert warnings_of(from_values(press)) == []
-    line, = warnings_of(from_values({**press, 'gravity.y': -9.81}))
+    assert from_values(press).warnings == []
+    line, = from_values({**press, 'gravity.y': -9.81}).warnings
     assert line == ('bodies: ram without mass, as bodies.rods is of rods alone: give '
                     'bodies.ram.mass')
     # an inertia of what does not turn does nothing
     press |= {'gravity.y': -9.81, 'bodies.ram.inertia': 0.01}
-    assert warnings_of(from_values(press)) == [line]
+    assert from_values(press).warnings == [line]
 
 
 def test_the_offset_of_a_slide_is_a_length():
@@ -176,7 +176,7 @@ def test_the_offset_of_a_slide_is_a_length():
     for offset, said in ((7.0, []), (50.0, ['joint_states.offsets = 50 m: did you mean 0.05? '
                                             'Lengths are in metres'])):
         offsets[slide] = offset
-        assert warnings_of(from_values({**values, 'joint_states.offsets': offsets})) == said
+        assert from_values({**values, 'joint_states.offsets': offsets}).warnings == said
 
 
 @pytest.mark.parametrize(('vary', 'said'), [
@@ -199,7 +199,7 @@ def test_a_study_over_degrees_without_a_unit_warns(vary, said):
 
 def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
     def said(carried):
-        return warnings_of(from_values({**PAPER, **RODS, 'drive.carried_inertia': carried}))
+        return from_values({**PAPER, **RODS, 'drive.carried_inertia': carried}).warnings
     line, = said(0.1)           # of 0.19 to 1.25 kg m^2
     assert 'unstable with a rotor lighter than 1.046; 0.7192 would do with any' in line
     assert said(0.0) == said(0.72) == []
@@ -207,16 +207,16 @@ def test_a_carried_inertia_with_which_the_rest_is_unstable_is_one_line():
 
 def test_the_start_of_a_slide_is_no_angle_and_links_of_machines_have_names():
     values = dict(load('cylinder').values)
-    assert warnings_of(from_values({**values, 'drive.start': 7.0})) == []
+    assert from_values({**values, 'drive.start': 7.0}).warnings == []
     watt = dict(load('watt').values)
-    line, = warnings_of(from_values({**watt, 'dyads.two.length_1': 20.4,
-                                     'dyads.two.length_2': 20.5}))
+    line, = from_values({**watt, 'dyads.two.length_1': 20.4,
+                         'dyads.two.length_2': 20.5}).warnings
     assert line.startswith('dyads.two.length_1 = 20.4 m: did you mean 0.0204?')
 
 
 def test_no_shipped_scene_warns_about_itself():
     assert [line for below in ('.', 'classics') for path in (folder() / below).glob('*.yaml')
-            for line in warnings_of(load(path))] == []
+            for line in load(path).warnings] == []
 
 
 @pytest.mark.parametrize('verb', [('scene', 'check'), ('show',)])
@@ -252,7 +252,7 @@ def test_a_direction_of_more_than_a_turn_is_written_within_one(tmp_path, capsys)
 
 def test_a_scene_is_looked_at_once_for_its_warnings(monkeypatch, tmp_path):
     looked = []
-    monkeypatch.setattr('fourbar_ros.scene.linkage._warnings',
+    monkeypatch.setattr('fourbar_ros.scene.scene.warnings_of',
                         lambda scene: looked.append(scene) or iter(()))
     file = tmp_path / 'rocks.yaml'
     file.write_text(from_values({**PAPER, 'linkage.a2': 0.5}).as_text)

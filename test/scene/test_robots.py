@@ -3,7 +3,6 @@
 """The shelf of real loops: each says where it is from and agrees with MuJoCo's own tree."""
 from bench.robots import mimic, ours, ROBOTS, Tree
 from fourbar_ros.scene.files import folder
-from fourbar_ros.scene.linkage import warnings_of
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
@@ -23,7 +22,7 @@ def test_a_robot_moves_over_its_range_as_its_file_says(name):
     assert text.startswith('# ') and '# Figures: ' in text and '# Left out: ' in text
     scene = load(name)
     (low, high), = scene.linkage.input_ranges
-    assert [low, high] == scene.values['linkage.range'] and warnings_of(scene) == []
+    assert [low, high] == scene.values['linkage.range'] and scene.warnings == []
     assert low < scene.drive.start < high
     gap, force = ours(Tree(scene), low, high)
     # of the size of some roundings: positions of joints, the chain of frames, sums of forces
