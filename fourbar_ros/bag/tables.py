@@ -103,7 +103,8 @@ def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] |
     Return {table: its columns}; ``fourbar.state`` is the topic /fourbar/state.
 
     Rows are sorted by log times, and as they were written; a column that not all messages of a
-    topic have is NaN or '' in the rest. ``units`` as of :func:`export`.
+    topic have is NaN in the rest, or '' of texts, as which whole numbers stand there that have
+    more digits than a float. ``units`` as of :func:`export`.
     """
     blocks: dict[str, list[TopicTable]] = {}
     indices: dict[str, list[Array]] = {}
@@ -122,11 +123,17 @@ def _tables(bag: reader.Bag, topics: Collection[str], units: Mapping[str, str] |
                             np.concatenate([block['log_time'] for block in of_topic])))
         table = tables[name] = {}
         for column in dict.fromkeys(column for block in of_topic for column in block):
-            filled = next(block[column] for block in of_topic if column in block)
-            nothing = np.full(1, '' if filled.dtype.kind == 'U' else np.nan)
-            values = np.concatenate([
-                block.get(column, np.repeat(nothing, len(block['log_time'])))
-                for block in of_topic])[order]
+            values = np.concatenate([block[column] for block in of_topic if column in block])
+            if len(values) < len(order):
+                is_there = np.repeat([column in block for block in of_topic],
+                                     [len(block['log_time']) for block in of_topic])
+                if values.dtype.kind in 'iu' and (abs(values.astype(float)) >= 2.0**53).any():
+                    values = values.astype(str)
+                is_text, known_values = values.dtype.kind == 'U', values
+                values = np.full(len(order), '' if is_text else np.nan,
+                                 values.dtype if is_text else float)
+                values[is_there] = known_values
+            values = values[order]
             if units is not None and (si := unit_of(column, known)) in UNITS:
                 unit = units.get(si, si)
                 kinds.append(si)

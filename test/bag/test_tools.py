@@ -151,6 +151,19 @@ def test_two_topics_of_one_table_are_refused(tmp_path):
             for k, name in enumerate(names)] == [{'a.b': 1}, {'a.b': 2}]
 
 
+def test_whole_numbers_of_some_messages_keep_their_digits(tmp_path):
+    layout = bags.STORE.types['std_msgs/msg/MultiArrayLayout']([], 0)
+    rows = [[1], [17 * 10**17 + 1, -2], [5, 17 * 10**17 + 1]]
+    for name, count, expected in (('small', 2, ['nan', '-2.0']),
+                                  ('large', 3, ['', '-2', '1700000000000000001'])):
+        path = bag_of(tmp_path / name, 'std_msgs/msg/Int64MultiArray', [
+            {'layout': layout, 'data': np.array(row)} for row in rows[:count]])
+        export(path, path / 'out')
+        lines = list(csv.DictReader(io.StringIO((path / 'out' / 'a.csv').read_text())))
+        assert [line['data[1]'] for line in lines] == expected
+        assert [int(line['data[0]']) for line in lines] == [row[0] for row in rows[:count]]
+
+
 def test_joints_of_one_name_are_columns_by_number_and_flags_are_columns(tmp_path):
     path = bag_of(tmp_path / 'run', JOINTS, [
         {'header': bags.stamp(1), 'name': ['x', 'x'], 'position': np.array([1.0, 2.0]),
