@@ -97,7 +97,7 @@ def recompute(path: str | Path, node: str | None = None, progress: reader.Progre
             recomputation.take(raw)
         bag.refuse_damage()
         return recomputation.finished()
-    except AttributeError as error:     # a bag may define our types differently
+    except (AttributeError, TypeError) as error:        # a bag may define our types differently
         raise BagError(f'{bag.path}: a definition of a message is not ours: {error}') from None
 
 

@@ -295,10 +295,12 @@ def test_a_log_time_that_ros_does_not_have_is_one_line(run, tmp_path, capsys):
     assert 'a log time of 9223372036854775808 ns is none of ROS' in said and said.count('\n') == 1
 
 
-def test_a_definition_that_is_not_ours_is_one_line(run, tmp_path, capsys):
+@pytest.mark.parametrize('ours, theirs', [(b'64 acceleration', b'64 accelerat_on'),
+                                          (b'float64 position ', b'int8[8] position ')])
+def test_a_definition_that_is_not_ours_is_one_line(run, tmp_path, capsys, ours, theirs):
     data = by_mcap(run, tmp_path / 'run_0.mcap', compression=CompressionType.NONE,
                    enable_crcs=False).read_bytes()
-    (tmp_path / 'run_0.mcap').write_bytes(data.replace(b'64 acceleration', b'64 accelerat_on'))
+    (tmp_path / 'run_0.mcap').write_bytes(data.replace(ours, theirs))
     assert main(['bag', 'recompute', str(tmp_path / 'run_0.mcap')]) == 1
     said = capsys.readouterr().err
     assert 'a definition of a message is not ours' in said and said.count('\n') == 1
