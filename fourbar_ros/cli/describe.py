@@ -36,7 +36,7 @@ def add(verbs: Verbs) -> None:
 
 def _describe(arguments: Namespace) -> None:
     from fourbar_ros.description.formats import describe
-    from fourbar_ros.description.model import note_of
+    from fourbar_ros.description.model import left_out, note_of
     from fourbar_ros.scene.scene import load
     suffix = arguments.out.suffix if arguments.out else ''
     format_, scene = arguments.format or SUFFIXES.get(suffix), load(arguments.scene)
@@ -46,3 +46,5 @@ def _describe(arguments: Namespace) -> None:
     write_or_print(describe(scene, format_), arguments.out)
     if note := note_of(scene):
         print(note, file=sys.stderr)
+    if format_ == 'mjcf' and (names := left_out(scene)):        # MuJoCo moves it without them
+        print(f'note: not in the file: {", ".join(names)}', file=sys.stderr)

@@ -22,6 +22,7 @@ from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import Coordinate, GROUND, NamedFields
 from fourbar_ros.numerics.number_types import direction
 from fourbar_ros.pipeline.joints import start_of
+from fourbar_ros.scene.elements import element_names
 from fourbar_ros.scene.scene import Scene
 
 MARGIN = 0.01          # share by which the limits of passive slides are wider than they are
@@ -150,6 +151,15 @@ def note_of(scene: Scene) -> str:
     offsets = [round(-ratio * getattr(motion, joint.coordinate.position), 12) + 0.0
                for ratio, joint in zip(shown.ratios, mechanism.JOINTS)]
     return f'{said}. To be closed at 0, in the node too: joint_states.offsets: {offsets}'
+
+
+def left_out(scene: Scene) -> list[str]:
+    """Return what acts in a scene and stands in no description: forces, springs, friction."""
+    applied = scene.linkage.external._asdict()
+    return [*(f'external.{link}' for link, each in applied.items()
+              if each.force_x or each.force_y or each.couple),
+            *element_names(scene.values),
+            *(f'friction.{joint}' for joint, _ in scene.linkage.friction)]
 
 
 def model_of(scene: Scene) -> RobotModel:

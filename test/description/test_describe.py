@@ -312,6 +312,15 @@ def test_the_note_moves_no_zero_of_a_motor(capsys):
     assert main(['describe', 'xarm_hand']) == 0 and not capsys.readouterr().err
 
 
+def test_what_acts_and_is_not_in_an_mjcf_is_named(tmp_path, capsys):
+    from fourbar_ros.cli.main import main
+    for name, says in (
+            ('press', 'springs.back, forces.cut, friction.O1, friction.A, friction.B, '
+                      'friction.guide\n'), ('bucket', 'external.bucket\n'), ('paper', '')):
+        assert main(['describe', name, '--as', 'mjcf', '-o', str(tmp_path / f'{name}.xml')]) == 0
+        assert capsys.readouterr().err.partition('note: not in the file: ')[2] == says
+
+
 def test_the_driven_joint_is_never_cut():
     for case in CASES:
         scene = scene_of(case)
