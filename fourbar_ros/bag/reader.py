@@ -134,14 +134,22 @@ class Bag:
         """Return the Summary of each file; None if the end is missing or damaged."""
         return [_summary(file) for file in self.files]
 
+    @property
+    def has_all_files(self) -> bool:
+        """Return whether the names of the files leave out no number between first and last."""
+        first, last = (metadata.number_of(self.files[index]) for index in (0, -1))
+        return last - first < len(self.files)
+
     @cached_property
     def is_consistent(self) -> bool:
         """
         Return whether the summaries of all files can be believed without reading the messages.
 
         They cannot where a file was cut off, grows, or holds messages outside chunks, which have
-        no index, or where metadata.yaml counts more messages: a file of the bag is then missing.
+        no index, or where a file is missing, by its number or by the messages in metadata.yaml.
         """
+        if not self.has_all_files:
+            return False
         counted = 0
         for summary in self.summaries:
             statistics = summary.statistics if summary else None

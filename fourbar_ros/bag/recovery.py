@@ -48,7 +48,7 @@ def recover(path: str | Path, out: str | Path | None = None, progress: Progress 
         metadata.write(folder, whole)
         folder.rename(out)
     return Recovered(out, whole['message_count'], bag.damage,
-                     bag.is_finished and not bag.damage)
+                     bag.is_finished and bag.has_all_files and not bag.damage)
 
 
 def beside(path: Path) -> Path:

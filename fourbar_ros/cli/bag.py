@@ -156,7 +156,7 @@ def _recover(arguments: Namespace) -> int:
         recovered = recover(arguments.bag, arguments.out, step)
     print(f'{recovered.path}: {recovered.messages} messages'
           + ('' if recovered.damage else ', nothing lost' if recovered.was_whole else
-             ', all that can be read; the bag is without its end'))
+             ', all that can be read; the bag is without its end or a file'))
     for damage in recovered.damage[:MOST_DAMAGE]:
         print(f'damaged: {damage}')
     if len(recovered.damage) > MOST_DAMAGE:

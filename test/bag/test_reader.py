@@ -517,7 +517,7 @@ def test_a_killed_split_bag_of_version_1_is_recovered_without_losing_or_doubling
 
 # --- split bags ----------------------------------------------------------------------------------
 
-def test_files_are_in_the_order_of_their_numbers_and_metadata_may_be_lost(tmp_path):
+def test_files_are_in_the_order_of_their_numbers_and_metadata_may_be_lost(tmp_path, capsys):
     path = bags.run(tmp_path, 'run', SCENE, [(0.05 * k, 25.0, 0.1) for k in range(300)],
                     {150: {'linkage.a1': 0.35}}, paced=True, step_ns=10**7)
     new = _resplit(path, tmp_path / 'new', 12)
@@ -529,6 +529,11 @@ def test_files_are_in_the_order_of_their_numbers_and_metadata_may_be_lost(tmp_pa
         (new / 'metadata.yaml').unlink(missing_ok=True)
     # one is lost, and one is cut
     (new / 'new_4.mcap').unlink()
+    state = info(new)
+    assert state.is_finished and state.missing == 50 and not state.is_sound
+    assert main(['bag', 'recover', str(new), '-o', str(tmp_path / 'rest')]) == 0
+    said = capsys.readouterr().out
+    assert 'without its end or a file' in said and 'nothing lost' not in said
     data = (new / 'new_7.mcap').read_bytes()
     (new / 'new_7.mcap').write_bytes(data[:len(data) - 40])
     state = info(new, check=True)
