@@ -57,8 +57,9 @@ class Integration(NamedTuple):
 
     method: str                 # of scipy
     tolerance: float            # of the method
-    cuts_pieces: bool = False   # whether steps end in the middle of a piece of a table, and of a
-                                # stretch between jumps of the torque: not where they else would
+    # whether steps end in the middle of a piece of a table, and of a stretch between jumps of the
+    # torque: not where they else would
+    cuts_pieces: bool = False
 
 
 @dataclass
