@@ -189,9 +189,12 @@ def integrate(work: Work, integration: Integration) -> Iterator[Leg]:
                 last = begun + share * length
             leg = _leg(coordinate, (first, last), state, integration._replace(method=method), work,
                        events, LONGER * share * length)
-        # a leg without length, as two coordinates handing over to each other: nothing goes on
-        if leg.time[-1] <= nextafter(first, inf) and leg.end in (HANDED_OVER, AT_KINK):
-            leg = leg._replace(end=LIMIT)
+        if leg.time[-1] <= nextafter(first, inf):       # nothing goes on
+            if leg.end == HANDED_OVER:                  # of two coordinates to each other
+                leg = leg._replace(end=LIMIT)
+            elif leg.end == AT_KINK:
+                work.reason = _why_no_step(work, method, first)
+                leg = leg._replace(end=STOPPED)
         yield leg
         first, state = float(leg.time[-1]), leg.states[:, -1].tolist()
         if leg.end == AT_KINK and equation.has_position_forces:
@@ -353,6 +356,10 @@ def _not_smooth(system: System, coordinate: MotionCoordinate, time: float, state
     ahead = position + copysign(AHEAD * coordinate.equation.coordinate.input_unit, rate)
     signs = [copysign(1.0, edge) if abs(edge) > NONE_AHEAD else 0.0
              for edge in edges_at(time, [ahead, rate, *rest])]
+    # one at which the leg before ended has just changed, though its sign follows from rates too
+    for i, edge in enumerate(edges_at(time, state) if signs else ()):
+        if 0.5 * SAME < abs(edge) < 2.0 * SAME:
+            signs[i] = copysign(1.0, edge)
 
     def excess(time: float, state: Array) -> float:     # negative until the event
         beyond = abs(state[1]) / system.mechanism.slip_speed - 1.0

@@ -229,6 +229,18 @@ def test_steps_of_the_node(drive):
     assert values.velocity == pytest.approx(end.rate, abs=1e3 * count * tolerance)
 
 
+@pytest.mark.parametrize('voltage', [21.0, 23.0 + 2.0 / 3.0, 25.0, 27.0])
+@pytest.mark.parametrize('tolerance', [1e-7, 1e-8])
+def test_a_run_goes_on_where_a_joint_changes_its_face(voltage, tolerance):
+    """Nine of fifty ended 'at a limit' there, where a leg began a rounding before the change."""
+    motor = Drive(DCMotor(voltage, 0.5, 0.3, 0.005, gear=4.0), rotor=0.05,
+                  shaft=Shaft(400.0, 2.0))
+    run, other = (simulate(System(RUBBING, 0.3, 6.0, motor), 0.3, tolerance, method)
+                  for method in ('auto', 'LSODA'))
+    assert run.status == other.status == 'reached the end'
+    assert run.position[-1] == pytest.approx(other.position[-1], abs=2.0 * tolerance)
+
+
 @pytest.mark.parametrize('length', [1e-2, 1e-3])
 @pytest.mark.parametrize('excess', [0.05, 1.0, 30.0, 1000.0])
 def test_a_step_of_the_node_breaks_away_from_rest(excess, length):
