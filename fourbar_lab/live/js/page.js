@@ -341,20 +341,23 @@ export async function start(data, source) {
     const address = addressOf(store.state, isDrawing() ? null : data.scene, factorOf());
     if (address.length <= MOST_ADDRESS) history.replaceState(null, "", address);
   });
+  /** Draw the scene by the formulas that are there, or by those that the server has for it. */
+  const open = async (isFirst = false) => {
+    const { scene } = store.state, isKnown = made && !isOther(scene, made);
+    if (isNothing(scene)) return blank();
+    if (isKnown) {
+      fail("");
+      build(store.state, isFirst);
+    } else if (!data.canAsk) fail("this file has no server: another structure, or a number that this one lacks, needs fourbar live");
+    if (data.canAsk && isKnown && !isFirst) askSoon();
+    else if (data.canAsk && !(isFirst && page.isAsWritten())) await askStructure();
+  };
   store.subscribe((state, before) => {
     if (state.scene !== before.scene) {
       [notice, refusal] = ["", ""];
       page.say(current().hint ?? "");
       showName();
-      if (isNothing(state.scene)) blank();
-      else if (!made || isOther(state.scene, made)) {
-        if (data.canAsk) askStructure().catch(error => page.refuse(error.message));
-        else fail("this file has no server: another structure, or a number that this one lacks, needs fourbar live");
-      } else {
-        fail("");
-        build(state, false);
-        if (data.canAsk) askSoon();
-      }
+      open().catch(error => page.refuse(error.message));
     } else if (page.engine && (state.view.acceleration !== before.view.acceleration)) build(state, false);
     else if (page.engine && (state.view.curves !== before.view.curves || state.view.layers !== before.view.layers)) drawRest();
     else if (page.engine) drawPose(state);
@@ -609,15 +612,8 @@ export async function start(data, source) {
   page.useTool("pose");
   showName();
   made = data.scene;
-  if (isNothing(store.state.scene)) {
-    blank();
-    page.useTool("rods");
-  } else if (module && !isOther(store.state.scene, made)) {
-    build(store.state, true);
-    if (data.canAsk && !page.isAsWritten()) await askStructure();
-  }
-  else if (data.canAsk) await askStructure();
-  else fail("this file has no server: another structure needs fourbar live");
+  await open(true);
+  if (isNothing(store.state.scene)) page.useTool("rods");
   if (page.engine) store.dispatch({ view: { at: "at" in first.view ? first.view.at / factorOf() : page.engine.inside(store.state.view.at) } });       // a slide begins where it can be
   page.refuse("");                        // what is wrong with the address is said
   document.documentElement.dataset.ready = "yes";
