@@ -231,17 +231,25 @@ def read_table(path: Path, is_periodic: bool = False) -> dict[str, Any]:
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
     """Return (number of its line, cells) of each row of a CSV file but comments and blanks."""
-    # with ; between columns a comma may be a decimal point
+    # with ; between columns a comma may be a decimal point, and then a point is none
     text = text_of(path)
     try:
         is_german = ';' in next((line for line in text.splitlines()
                                  if line.strip() and not line.lstrip().startswith('#')), '')
         reader = csv.reader(text.splitlines(), delimiter=';' if is_german else ',')
-        return [(reader.line_num, [cell.replace(',', '.') for cell in row] if is_german else row)
-                for row in reader
+        rows = [(reader.line_num, row) for row in reader
                 if any(map(str.strip, row)) and not row[0].lstrip().startswith('#')]
     except csv.Error as error:
         raise SceneError(f'{path}: not a table as text in UTF-8: {error}') from None
+    if not is_german:
+        return rows
+    has_comma = any(',' in cell for _, row in rows[1:] for cell in row)
+    for number, row in rows[1:]:
+        for cell in row if has_comma else ():
+            if '.' in cell:
+                raise SceneError(f'{path}, row {number}: {cell.strip()!r} has a point, others a '
+                                 'comma: write decimals in one way, and thousands without')
+    return [(number, [cell.replace(',', '.') for cell in row]) for number, row in rows]
 
 
 def text_of(path: str | Path) -> str:

@@ -162,7 +162,9 @@ WRONG_FILES = [
     ('slide [m], force [N]\n0; 1\n', 'row 2: 1 columns, must be a place and a value'),
     ('slide [m], force [N]\n0,0, 1,5\n', 'row 2: 4 columns, must be a place and a value; write '
      'decimals with a point, or ; between columns'),
-    ('slide [m]; force [N]\n0;1\n0.1;1.000,5\n', "row 3: '1.000.5' must be a number"),
+    ('slide [m]; force [N]\n0;1\n0.1;1.000,5\n', "row 3: '0.1' has a point, others a comma: "
+     'write decimals in one way, and thousands without'),
+    ('slide [m]; force [N]\n0;1.000\n0,1;2.000\n', "row 2: '1.000' has a point, others a comma"),
     ('slide [m], force [N]\n0, 1\n', 'gas.csv: places = 1: must be 2 to'),
     ('slide [mm]; force [kN]\n0;1\n# cut\n90,5;5\n80;1\n',
      'row 5: 80 mm must be larger than the one before, 90.5'),
