@@ -52,8 +52,14 @@ class Parser(argparse.ArgumentParser):
         """Parse as the base class does, but refuse options that a verb does not know."""
         self._typed = [*(sys.argv[1:] if args is None else args)]
         namespace, rest = super().parse_known_args(args, namespace)
+        for action in self._actions:        # table paper -o x.csv f41: words behind options
+            if (action.nargs in ('*', '+') and not action.option_strings
+                    and not any(word.startswith('-') for word in rest)):
+                getattr(namespace, action.dest).extend(rest)
+                rest = []
         if rest and ' ' in self.prog:
-            self.error(self._not_understood(rest[0]))
+            self.error(self._not_understood(next(
+                (word for word in rest if word.startswith('-')), rest[0])))
         return namespace, rest
 
     def _not_understood(self, word: str) -> str:

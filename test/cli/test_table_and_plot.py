@@ -56,6 +56,15 @@ def printed(capfdbinary):
     return printed
 
 
+@pytest.mark.parametrize('words', [
+    'theta4 f41 -o - --samples 3', '-o - theta4 f41 --samples 3', '-o - --samples 3 theta4 f41',
+    'theta4 -o - --samples 3 f41', '--samples 3 -o - theta4 f41'])
+def test_quantities_stand_before_and_behind_options(words, capfdbinary):
+    assert main(['table', 'paper', *words.split()]) == 0
+    head, *rows = capfdbinary.readouterr().out.decode().splitlines()
+    assert (head, len(rows)) == ('theta1 [deg],theta4 [deg],f41 [N]', 3)
+
+
 def test_a_table_in_other_units_holds_the_same_quantities(printed):
     si = list(csv.DictReader(io.StringIO(printed())))
     rows = list(csv.DictReader(io.StringIO(printed('--units', f'{",".join(SHOWN)},turn'))))

@@ -100,6 +100,7 @@ WRONG_LINES = [
     ('show paper --at 60 -x', 2, "'-x' is not understood"),
     ('show paper --at 5kg', 2, 'must be a number in deg or m, or with one of the units rad'),
     ('show paper --sped 3', 2, 'did you mean --speed?'),
+    ('table paper theta4 --samples 3 f41 -o - --sped 3', 2, 'did you mean --speed?'),
     ('show paper --speed', 2, '--speed: expected one argument'),
     ('show paper --speed fast', 2, "--speed: 'fast' must be a number"),
     ('show paper --speed 3,5', 2, 'must be written 3.5: a comma is no'),
