@@ -3,9 +3,11 @@
 """``fourbar balance``: counterweights for a scene."""
 import argparse
 from math import isnan
+import warnings
 
 from fourbar_ros.cli import common
-from fourbar_ros.scene.units import of
+from fourbar_ros.errors import SceneWarning
+from fourbar_ros.scene.units import of, ValueInSI
 
 DESCRIPTION = """\
 Find counterweights that take shaking force, shaking moment, driving torque or joint reactions of
@@ -53,7 +55,7 @@ def add(verbs: common.Verbs) -> None:
     verb.set_defaults(run=_run)
 
 
-def _radius(text: str) -> tuple[str, float]:
+def _radius(text: str) -> tuple[str, ValueInSI]:
     """Return (link, radius [m]) of LINK=METRES; the link is '' for METRES, which is for all."""
     link, _, radius = text.rpartition('=')
     return link, of('m', above=0.0)(radius)
@@ -62,6 +64,7 @@ def _radius(text: str) -> tuple[str, float]:
 def _run(arguments: argparse.Namespace) -> None:
     from fourbar_lab import balancing
     from fourbar_lab.balancing.result import draw_changes, draw_front, scene_text, unit_of
+    from fourbar_ros.scene.linkage import in_other_units
     from fourbar_ros.scene.scene import load
     from fourbar_ros.terminal import make_console, make_table
     scene = load(arguments.scene)
@@ -72,6 +75,9 @@ def _run(arguments: argparse.Namespace) -> None:
     if '' in radii or not radii:
         for_all = radii.get('', 0.5 * max(map(abs, scene.linkage.lengths)))
         radii = {link.name: for_all for link in scene.linkage.LINKS if link.turns}
+    for line in in_other_units([('--radius', radius, 'm') for _, radius in arguments.radius
+                                if not radius.unit], scene.linkage):
+        warnings.warn(line, SceneWarning, stacklevel=2)
     sites = balancing.Places(loads, radii)
     names, most = arguments.minimize, arguments.mass        # loads, and the mass to be added [kg]
     if not names:

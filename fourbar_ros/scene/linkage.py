@@ -198,7 +198,7 @@ def bodies_of_links(values: ParameterValues, links: Sequence[Link], lengths: Map
 # --- values that are allowed but probably in a wrong unit: millimetres, degrees ------------------
 
 LIGHTEST, DENSEST = 100.0, 25000.0  # [kg/m^3], from cork to beyond osmium
-STEEL = 7850.0
+STEEL, HEAVIEST = 7850.0, 100.0     # [kg/m^3], [m/s^2] some times the earth's gravity
 FAR_THICKER = 5.0       # than a rod is long: in millimetres
 FAR, FAR_OUT = 50.0, 100.0      # as often the longest length: a point, a radius of gyration
 TYPED = '.9g'           # as many digits as are typed; an angle that was converted has more
@@ -258,6 +258,10 @@ def warnings_of(scene: Scene) -> Iterator[str]:
     """Yield a line for each value of a scene that is allowed but probably not meant."""
     values, linkage = scene.values, scene.linkage
     yield from in_other_units(_without_unit(scene), linkage)
+
+    for name in ('gravity.x', 'gravity.y'):
+        if abs(values[name]) > HEAVIEST and name not in scene.with_unit:
+            yield f'{name} = {values[name]:g} m/s^2: did you mean {values[name]:g} mm/s^2?'
 
     density = values[RODS + 'density']          # in g/cm^3?
     if density < LIGHTEST:

@@ -278,6 +278,9 @@ def test_the_command_writes_a_scene_that_is_balanced(tmp_path, capsys):
     assert main(['balance', 'paper', '--minimize', 'force', '--mass', '1', '--front',
                  str(tmp_path / 'front.svg'), '--points', '5', '--radius', 'crank=0.3']) == 0
     assert 'none below' in capsys.readouterr().out and (tmp_path / 'front.svg').exists()
+    for radius, warned in (('300', '--radius = 300 m: did you mean 0.3?'), ('300m', '')):
+        assert main(['balance', 'paper', '--radius', radius]) == 0
+        assert warned in (err := capsys.readouterr().err) and bool(err) == bool(warned)
     for arguments, text in ((['--minimize', 'force'], '--minimize needs --mass'),
                             (['--minimize', 'force', 'force', '--mass', '1'], 'each once'),
                             (['--mass', '1'], 'go with --minimize'),
