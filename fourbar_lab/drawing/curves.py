@@ -76,6 +76,9 @@ def curves_of(scene: Scene, linkage: Mechanism, names: Sequence[str], speed: flo
         if name not in units and name != coordinate.position:
             raise quantities.UnknownQuantity(name, units)
     wanted = [name for name in dict.fromkeys(names) if name != coordinate.position]
+    if names and not wanted:
+        raise InvalidParameter('names', coordinate.position, 'is the input, over which all else '
+                               'is given: name a quantity')
     wanted = wanted or [name for name in units if name not in of_drive
                         and (name not in of_loads or linkage.has_loads)]
     loads_wanted = [name for name in wanted

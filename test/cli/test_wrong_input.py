@@ -141,6 +141,8 @@ WRONG_LINES = [
     ('new x.yaml --a1=-5mm --a2 150mm --a3 100mm --a4 125mm', 1, 'linkage.a1 = -0.005'),
     ('new x.yaml --kind scotch_yoke --a1 1 --a2 1', 1, 'scotch_yoke has a1, offset only'),
     ('new nowhere/x.yaml --a1 1 --a2 2 --a3 2 --a4 2', 1, 'nowhere/x.yaml: No such file'),
+    *((f'{line} -o x.png', 1, 'is the input, over which all else is given: name a quantity')
+      for line in ('table paper theta1', 'plot watt theta_crank', 'table cylinder slide')),
     ('table paper f4 -o x.csv', 1, 'did you mean f4'),
     ('table paper xyzzy -o x.csv', 1, "unknown quantity 'xyzzy'"),
     ('table slides_7_6 driving_torque -o x.csv', 1, 'loads need masses'),
