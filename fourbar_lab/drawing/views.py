@@ -80,6 +80,8 @@ def draw(scene: Scene, at: Option = None, over: str = '', speed: Option = None,
         return axis.make_axis_figure(linkage, rate, None if user_input is None else
                                      poses.position_of(linkage, user_input), paper)
     if over == 'forces':
+        if at is not None:
+            raise InvalidParameter('at', at, 'is one input, and the forces are those of a cycle')
         return cycles.make_forces_figure(linkage, rate, change, paper)
     if over not in ('', 'linkage', 'paths'):
         raise InvalidParameter('over', over, "must be 'linkage', 'paths', 'forces' or 'axis'")

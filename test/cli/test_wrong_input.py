@@ -177,6 +177,7 @@ WRONG_LINES = [
     ('draw paper --animate -o x.png', 1, 'is a .gif'),
     ('draw paper --animate -o nowhere/x.gif', 1, 'nowhere/x.gif'),
     ('draw slides_7_6 --over forces -o x.png', 1, 'masses'),
+    ('draw paper --over forces --at 60 -o x.png', 1, 'at = 60.0: is one input, and the forces'),
     ('draw jansen --over axis -o x.svg', 1, 'its crank drives'),
     ('scene', 2, 'ACTION'),
     ('scene chekc paper', 2, 'did you mean check?'),
