@@ -14,15 +14,16 @@ from functools import partial
 from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import in_words, InvalidParameter
+from fourbar_ros.errors import in_words, InvalidParameter, MissingBodies
 from fourbar_ros.extrema.input_paths import input_paths, InputPath, unresolved
-from fourbar_ros.extrema.path_search import PathExtremum, search_path
+from fourbar_ros.extrema.path_search import jumps_along, PathExtremum, search_path
 from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
 from fourbar_ros.mechanisms import quantities as table
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NoLoads, Quantity
 from fourbar_ros.mechanisms.pieces import Pieces
+from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.mechanisms.quantities import Asked, Function, is_position, Named, OfDrive
 from fourbar_ros.notebook import html_table
 from fourbar_ros.numerics.arguments import finite, rate_of_input
@@ -234,9 +235,13 @@ class Search:
                     by_group[pieces, ()] = rows
             for (pieces, poles), rows in by_group.items():
                 sampler = kind(linkage, [quantities[row] for row in rows], rates, poles)
-                cuts = pieces if kind is Sampler or not pieces else Pieces((), ())
-                self._groups.append(
-                    (sampler, rows, input_paths(linkage, SAMPLES, within, poles, cuts)))
+                paths = input_paths(linkage, SAMPLES, within, poles, pieces)
+                if isinstance(sampler, DifferenceSampler) and (jumps := [
+                        jump for path in paths for jump in jumps_along(sampler, path)]):
+                    ends, branch_points = pieces or Pieces((), ())
+                    paths = input_paths(linkage, SAMPLES, within, poles, Pieces(
+                        (*ends, *jumps), branch_points))
+                self._groups.append((sampler, rows, paths))
         self.paths = [path for *_, paths in self._groups for path in paths]
 
     def extrema(self, with_conditions: bool = True,
@@ -366,21 +371,29 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
             raise table.UnknownQuantity(quantity.name, fields)
     names = [quantity for quantity in quantities if isinstance(quantity, str)]
     named = iter(table.select(names, linkage) if names else ())
-    return [next(named) if isinstance(quantity, str) else
-            quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
-            Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '',
-                     quantity, _reads_loads(quantity, linkage)) for quantity in quantities]
+    every = [next(named) if isinstance(quantity, str) else
+             quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
+             Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '',
+                      quantity) for quantity in quantities]
+    return [each._replace(is_load=_reads_loads(each.of, linkage))
+            if isinstance(each, Function) and not each.is_load else each for each in every]
 
 
-def _reads_loads(function: Callable[..., Any], linkage: Mechanism) -> bool:
-    """Return whether a user's function reads loads, so that it repeats, and jumps, as they do."""
-    # If it fails for another reason it is taken to read them: then it is looked at more closely.
-    if not linkage.has_loads:
-        return False
-    try:
-        function(linkage.MOTION._make([1.0] * len(linkage.MOTION._fields)), NoLoads())
-    except Exception:
-        return True
+def _reads_loads(of: Callable[..., Any], linkage: Mechanism) -> bool:
+    """Return whether a function (motion, loads) reads loads, which may repeat after more turns."""
+    # at all samples, one by one if it is a function of plain numbers
+    x = nodes(linkage, SAMPLES)[0]
+    motion = linkage.motion(x)
+    columns = [np.broadcast_to(field, x.shape).tolist() for field in motion]
+    for each in (motion, *map(linkage.MOTION._make, zip(*columns))):
+        try:
+            of(each, NoLoads())
+        except MissingBodies:
+            return True
+        except Exception:       # it may raise anything: the search says what
+            continue
+        if each is motion:
+            break
     return False
 
 
@@ -397,7 +410,7 @@ def _extrema(quantity: Asked, linkage: Mechanism, extrema: list[PathExtremum], p
     lowest, low_in_doubt = _most_extreme(extrema, -1, exact)
     highest, high_in_doubt = _most_extreme(extrema, 1, exact)
     first, in_doubt = lowest | highest, low_in_doubt | high_in_doubt
-    gap = (unresolved or 'extrema are missing: their kinds do not alternate'
+    gap = (unresolved or 'extrema are missing'
            if unresolved or any(extremum.misses for extremum in extrema) else '')
     if is_refuted or gap:
         first = {i for i in first if not isfinite(extrema[i].value) or not extrema[i].sense}

@@ -23,6 +23,7 @@ from fourbar_ros.extrema.input_paths import End, InputPath, PIECE, REGULAR
 from fourbar_ros.extrema.sampling import (
     DifferenceSampler,
     exactly_scaled,
+    POLE,
     Sampler,
     Samples,
     SMALLEST,
@@ -56,6 +57,9 @@ BESIDE_CUT = 2.0**-46
 BESIDE_JUMP = 2.0**-34
 # Values that differ by less, as a part of them, are a constant at the end of a path.
 FLAT = 2.0**-40
+# Jumps of functions that are smaller, as a part of their values, are not looked for. Halvings of
+# the distance of the samples between which one lies.
+SMALL_JUMP, HALVINGS = 2.0**-20, 50
 # Step in theta1 for the curvature, in distances of samples, at least.
 TURN = 2.0**-12
 
@@ -117,6 +121,7 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
         extrema += _interior(sampler, inside, rows, with_conditions, brackets, at_cuts)
         for side, end in path.ends():
             extrema += _at_end(sampler, samples, side, end, rows)
+        extrema += _missed(sampler, samples, rows, extrema)
 
     begin = float(path.x[0]) if path.low is None else path.low.x
 
@@ -146,7 +151,7 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     wrong = {quantity for quantity, inorder in by_quantity.items() if len(inorder) > 1 and any(
         a.sense == b.sense and not may_follow(a, b)
         for a, b in zip(inorder, inorder[1:] + inorder[:path.is_closed])) or any(
-        isnan(extremum.value) for extremum in inorder)}
+        isnan(extremum.value) or extremum.misses for extremum in inorder)}
     turns = dict.fromkeys(by_quantity, 0.0)
     for quantity, inorder in by_quantity.items():
         if sampler.is_angle[quantity]:
@@ -155,6 +160,56 @@ def search_path(sampler: Sampler, path: InputPath, with_conditions: bool = True,
     return [extremum._replace(value=extremum.value - turns[extremum.quantity],
                               misses=extremum.quantity in wrong)
             for extremum in extrema if not isnan(extremum.value)]
+
+
+def jumps_along(sampler: DifferenceSampler, path: InputPath) -> list[float]:
+    """Return where functions jump between samples of a path [rad or m]; refuse poles."""
+    # There values rise by more than the slopes at both samples say, however near these are.
+    sampler.along(path)
+    tiny = _beside_cut(sampler, path)
+    x = np.sort(np.concatenate((path.x, path.cuts - tiny, path.cuts + tiny,
+                                [path.x[0] + path.period] if path.is_closed else [])))
+    values, slopes, _ = sampler.sample(x)
+    width, line = np.diff(x), 0.5 * (slopes[:, 1:] + slopes[:, :-1])
+    rise, size = np.diff(values), np.maximum(np.abs(values[:, 1:]), np.abs(values[:, :-1]))
+    off = np.abs(rise - line * width)
+    row, i = np.nonzero((off > 0.25 * np.abs(rise)) & (off > SMALL_JUMP * size)
+                        & (np.diff(np.searchsorted(path.cuts, x)) == 0))
+    low, high, before, after = x[i], x[i + 1], values[row, i], values[row, i + 1]
+    line, least, pole = line[row, i], 0.25 * off[row, i], (off + size)[row, i] / POLE
+    for _ in range(HALVINGS):
+        if not row.size:
+            return []
+        middle = 0.5 * (low + high)
+        value = sampler.values(middle)[row, np.arange(row.size)]
+        is_first = (np.abs(value - before - line * (middle - low))
+                    >= np.abs(after - value - line * (high - middle)))
+        high, after = np.where(is_first, middle, high), np.where(is_first, value, after)
+        low, before = np.where(is_first, low, middle), np.where(is_first, before, value)
+        is_open = np.abs(after - before) > least
+        row, low, high, before, after, line, least, pole = (
+            each[is_open] for each in (row, low, high, before, after, line, least, pole))
+    for k in np.flatnonzero(~(np.abs(after - before) < pole)).tolist():
+        sampler.refuse_pole(int(row[k]), float(high[k]))
+    inputs = high - path.period * np.round(high / path.period) if path.is_closed else high
+    return [sampler.unit * x for x in np.unique(inputs).tolist()]
+
+
+def _missed(sampler: Sampler, samples: Samples, rows: Array, extrema: Sequence[PathExtremum]
+            ) -> list[PathExtremum]:
+    """Return the largest and the least sample of those of ``rows`` that no extremum reaches."""
+    # but of angles, that may turn on
+    missed = list[PathExtremum]()
+    for row in rows[~sampler.is_angle[rows]].tolist():
+        for sense in (-1, 1):
+            values = sense * samples.values[row]
+            i = int(values.argmax())
+            most = max([sense * extremum.value for extremum in extrema
+                        if extremum.quantity == row and extremum.sense == sense], default=-inf)
+            if values[i] > most + samples.noise[row, i] + FLAT * np.abs(values[i]):
+                missed.append(PathExtremum(row, sampler.fold(float(samples.path.x[i])),
+                                           sense * float(values[i]), sense, misses=True))
+    return missed
 
 
 class AtCut(NamedTuple):
@@ -181,6 +236,9 @@ def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
     if sampler.linkage.friction:
         v_before, v_after = v_before + tiny * s_before, v_after - tiny * s_after
     noise = samples.noise[rows][:, before] + samples.noise[rows][:, after]
+    if isinstance(sampler, DifferenceSampler):      # nobody knows what a function adds up
+        noise = noise + FLAT * np.maximum(np.abs(v_before), np.median(
+            np.abs(samples.values[rows]), axis=1, keepdims=True))
     away = v_after - v_before
     away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
     jumps = np.abs(away) > noise + 4.0 * tiny * (np.abs(s_before) + np.abs(s_after))

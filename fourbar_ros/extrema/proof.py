@@ -333,8 +333,6 @@ class Enclosing:
             if any(step.operation == 'call' and not hasattr(step.value, 'polynomial')
                    for step in map(trace.steps.__getitem__, trace.needed(of_quantity))):
                 self.why_not[i] = 'functions over a position are not enclosed'
-            elif not is_published(quantities[i]) and linkage.elements and quantities[i].is_load:
-                self.why_not[i] = 'functions of loads with springs and forces are not enclosed'
             elif linkage.friction and quantities[i].is_load:
                 self.why_not[i] = 'friction is not enclosed'
         self._values: list[Any] = [

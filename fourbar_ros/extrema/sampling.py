@@ -16,10 +16,10 @@ from functools import cache
 from itertools import repeat
 from math import pi, sqrt
 from numbers import Real
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, NoReturn
 
 from fourbar_ros.errors import InvalidParameter
-from fourbar_ros.extrema.input_paths import InputPath
+from fourbar_ros.extrema.input_paths import InputPath, PIECE
 from fourbar_ros.mechanisms.batches import step_of_arrays
 from fourbar_ros.mechanisms.evaluation import formula_of
 from fourbar_ros.mechanisms.mechanism import Mechanism
@@ -48,6 +48,9 @@ MOST_CHANGE, PART, LEAST_CHANGE = 2.0**-26, 2.0**-10, 2.0**-46
 SAME_TURN = 2.0**-30        # middles of angles that differ by less, as part of a turn, are alike
 # Step of real differences of fourth order, in samples: their error is about as large as rounding.
 DIFFERENCE = 2.0**-6
+# Of values of a function: it has a pole where it is less beside, at a fraction of a sample.
+POLE = 2.0**-20
+OFF_CUT = 2.0**-12      # how far off the end of a piece they are taken at least, in samples
 
 State = tuple[NamedFields, NamedFields | NoLoads]     # motion and loads of floats or arrays
 
@@ -325,6 +328,14 @@ class DifferenceSampler(Sampler):
     TURN = DIFFERENCE
 
     _x: Array                # samples of the path in rising order
+    _cuts: Array             # where pieces end on it, -inf and inf: no difference reaches over one
+
+    def along(self, path: InputPath) -> Samples:
+        self._x = np.sort(path.x)
+        ends = np.array([end.x for _, end in path.ends() if end.kind == PIECE])
+        cuts = np.concatenate((path.cuts, path.cuts - path.period if path.is_closed else ends))
+        self._cuts = np.concatenate(([-np.inf], np.unique(cuts), [np.inf]))
+        return super().along(path)
 
     def _rows(self, state: State, x: Array) -> Array:
         """Return the quantities of a state at x, (quantities, *x.shape)."""
@@ -350,20 +361,26 @@ class DifferenceSampler(Sampler):
             return np.reshape(rows, (-1, *x.shape))
 
     def sample(self, x: Array) -> tuple[Array, Array, State]:
-        """Return values and slopes at the samples of a path, whose distances give the steps."""
-        self._x, state = x[np.argsort(x)], self.state(x)
-        return self._rows(state, x), np.stack([self.slope(x, np.full(x.size, row))
-                                               for row in range(len(self.quantities))]), state
+        """Return values and slopes at x; the distances of the samples of a path give the steps."""
+        state = self.state(x)
+        with np.errstate(all='ignore'):
+            values = self._rows(state, x)
+        return values, np.stack([self.slope(x, np.full(x.size, row))
+                                 for row in range(len(self.quantities))]), state
 
-    def step(self, x: Array) -> Array:
-        """Return the step of differences at x: a part of the distance of the samples there."""
+    def steps(self, x: Array) -> tuple[Array, Array]:
+        """Return where to take differences for x, off the ends of pieces, and their step."""
         i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
-        return DIFFERENCE * (self._x[i] - self._x[i - 1])
+        spacing, k = self._x[i] - self._x[i - 1], np.searchsorted(self._cuts, x, side='right')
+        low, high = self._cuts[k - 1], self._cuts[k]
+        off = np.minimum(OFF_CUT * spacing, 0.25 * (high - low))
+        x = np.clip(x, low + off, high - off)
+        return x, np.minimum(DIFFERENCE * spacing, 0.25 * np.minimum(x - low, high - x))
 
     def value_and_slope(self, x: Array, row: Array) -> tuple[Array, Array]:
         """Return value and derivative by the five-point formula, of error step^4."""
-        h = self.step(x)
-        points = np.concatenate((x, x + h, x - h, x + 2.0 * h, x - 2.0 * h), axis=-1)
+        near, h = self.steps(x)
+        points = np.concatenate((x, near + h, near - h, near + 2.0 * h, near - 2.0 * h), axis=-1)
         value, *around = np.split(self.values(points)[np.tile(row, 5), ...,
                                                       np.arange(5 * row.size)], 5)
         return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
@@ -384,7 +401,8 @@ class DifferenceSampler(Sampler):
     def polish(self, x: Array, row: Array, sense: Array) -> Array:
         """Return extrema x, those of a ``sense`` +-1 at a kink of the quantity more exactly."""
         # by golden section, which needs no slope
-        low, high = x - 4.0 * self.step(x), x + 4.0 * self.step(x)
+        near, h = self.steps(x)
+        low, high = near - 4.0 * h, near + 4.0 * h
         part, i = 0.5 * (sqrt(5.0) - 1.0), np.arange(x.size)
         for _ in range(56):     # for all brackets at once, unlike scipy's minimize_scalar
             left, right = high - part * (high - low), low + part * (high - low)
@@ -392,4 +410,13 @@ class DifferenceSampler(Sampler):
             low, high = np.where(keeps_low, low, left), np.where(keeps_low, right, high)
         better = 0.5 * (low + high)
         gain = sense * (self.values(better)[row, i] - self.values(x)[row, i])
-        return np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)
+        better = np.where(gain > 64.0 * EPS * np.abs(self.values(x)[row, i]), better, x)
+        beside = np.maximum(*np.abs([self.values(near + side * 4.0 * h)[row, i]
+                                     for side in (-1.0, 1.0)]))
+        for k in np.flatnonzero(beside < POLE * np.abs(self.values(better)[row, i])).tolist():
+            self.refuse_pole(int(row[k]), float(better[k]))
+        return better
+
+    def refuse_pole(self, row: int, x: float) -> NoReturn:
+        raise not_real(self.quantities[row], 'values without bound beside the input '
+                                             f'{self.unit * self.fold(x):.9g}')

@@ -111,6 +111,9 @@ class NoLoads:
     def __getattr__(self, name: str) -> NoReturn:
         raise MissingBodies
 
+    def __getitem__(self, index: object) -> NoReturn:
+        raise MissingBodies
+
 
 class Output(NamedTuple):
     """A coordinate that a mechanism is used for; ``ratio``: the field d output / d input."""

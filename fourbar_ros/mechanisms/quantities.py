@@ -38,7 +38,7 @@ class Function(NamedTuple):
     unit: str
     text: str
     of: Callable[..., Any]
-    is_load: bool = False     # of a mechanism without masses loads raise an error
+    is_load: bool = False     # the search finds out whether it reads loads
     is_smooth: bool = False   # plain arithmetic and numpy: a complex step gives its derivative
     is_position: bool = False
 

@@ -4,7 +4,7 @@
 from itertools import pairwise
 from math import inf, isinf, pi
 
-from fourbar_ros import FourBar, InvertedSlider, MissingBodies, SliderCrank
+from fourbar_ros import FourBar, InvalidParameter, InvertedSlider, MissingBodies, SliderCrank
 from fourbar_ros.extrema.find import find_extrema
 from fourbar_ros.extrema.input_paths import TooNarrow
 from fourbar_ros.mechanisms.quantities import known_quantities, Quantity, select, UnknownQuantity
@@ -266,10 +266,47 @@ def test_function_that_is_constant():
             ('constant', sign, True), ('constant', -sign, True)]
 
 
+def degrees_of_output(motion, loads):
+    return motion.theta4 * 180.0 / pi
+
+
+@pytest.mark.parametrize('within', [None, (3.0, 5.0)])
+@pytest.mark.parametrize('certify', [False, True])
+def test_function_that_jumps_counts_on_both_sides(within, certify):
+    """Values are those at 2^-46 of the largest input beside the jump, twice that by rounding."""
+    linkage = FourBar(1.0, 0.9, 0.8, 0.4)
+    assert linkage.turns_fully and not find_extrema(linkage, 'theta4')      # it turns on
+    found = find_extrema(linkage, degrees_of_output, within=within, certify=certify)
+    most, least = [e for e in found if e.is_global]
+    assert (most.kind, most.side, least.kind, least.side) == ('maximum', -1, 'minimum', 1)
+    assert most.theta1 == least.theta1
+    off = 180.0 / pi * 2.0**-45 * 2.0 * pi * abs(linkage.motion(most.theta1, 1.0).omega4)
+    assert most.value == pytest.approx(180.0, abs=off)
+    assert least.value == pytest.approx(-180.0, abs=off)
+    assert len(found) == (2 if within is None else 4)
+    assert all(each.proof.startswith('interval bounds') == certify for each in (most, least))
+
+
+@pytest.mark.parametrize('power', [1, 2])
+def test_function_with_poles_is_refused(power):
+    with pytest.raises(InvalidParameter, match='without bound beside the input [04]'):
+        find_extrema(FourBar(*PAPER), lambda motion, loads: 1.0 / motion.omega4**power)
+
+
+def test_function_whose_samples_no_extremum_reaches_is_not_certain():
+    """It turns on plateaus, where no slope changes its sign."""
+    most, least = find_extrema(FourBar(*PAPER), lambda motion, loads: np.tanh(
+        1e4 * (motion.theta4 - 1.5)))
+    assert (most.value, least.value) == (1.0, -1.0)
+    for extremum in most, least:
+        assert extremum.proof == 'not certain: extrema are missing' and not extremum.is_global
+
+
 @pytest.mark.parametrize('asked, said', [
     (('f99',), UnknownQuantity), (('slide_velocity',), UnknownQuantity),
     (Quantity('omega9', 'rad/s', '', False), UnknownQuantity), (('f41',), MissingBodies),
-    (lambda motion, loads: loads.f41, MissingBodies)])
+    (lambda motion, loads: loads.f41, MissingBodies),
+    (lambda motion, loads: loads[2], MissingBodies)])
 def test_what_there_is_not_is_refused(asked, said):
     with pytest.raises(said, match='unknown quantity|mass|omega9'):
         find_extrema(FourBar(*PAPER), asked)

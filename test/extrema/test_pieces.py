@@ -25,6 +25,7 @@ from fourbar_ros.mechanisms.elements import (
     Way,
 )
 from fourbar_ros.mechanisms.force_table import ForceTable
+from fourbar_ros.mechanisms.quantities import Function
 from fourbar_ros.scene.scene import load
 import numpy as np
 import pytest
@@ -173,6 +174,41 @@ def test_no_extremum_of_a_load_is_lost(seed):
                     if not mechanism.turns_fully:
                         away = np.abs((inputs - 0.5 * (low + high) + pi) % TURN - pi)
                 assert away.min() <= near, (name, low, values[i])
+
+
+def beside(name):
+    """Return a function that is a load but for its last bits, and has no complex step."""
+    return lambda motion, loads: np.abs(getattr(loads, name)) * np.sign(getattr(loads, name))
+
+
+@pytest.mark.parametrize('seed', range(more(8, 200)))
+def test_a_function_of_loads_is_searched_as_a_load(seed):
+    rng = np.random.default_rng(seed)
+    mechanism = mechanism_of(rng)
+    mechanism = mechanism.with_elements(*elements_of(rng, mechanism))
+    name = mechanism.drive_load
+    loads, functions = (find_extrema(mechanism, asked, 2.0, conditions=False)
+                        for asked in (name, beside(name)))
+    assert ([(each.kind, each.place, each.side) for each in loads]
+            == [(each.kind, each.place, each.side) for each in functions])
+    span = max([abs(each.value) for each in loads if np.isfinite(each.value)], default=0.0)
+    for load_, function in zip(loads, functions):
+        assert function.value == pytest.approx(load_.value, abs=LOST * span)
+
+
+@pytest.mark.parametrize('is_smooth', [False, True])
+def test_a_function_of_the_loads_of_a_four_stroke_is_searched_over_two_turns(is_smooth):
+    engine = load('engine').linkage
+    torque = find_extrema(engine, 'driving_torque', 10.0)
+    doubled = find_extrema(engine, Function(
+        'doubled', 'N m', '', lambda motion, loads: 2.0 * loads.driving_torque,
+        is_smooth=is_smooth), 10.0, certify=True)
+    assert [(each.kind, each.is_global) for each in doubled] == [
+        (each.kind, each.is_global) for each in torque]
+    for each, once in zip(doubled, torque):
+        assert each.value == pytest.approx(2.0 * once.value, rel=LOST)
+        assert each.theta1 == pytest.approx(once.theta1, abs=1e-8)
+        assert each.proof.startswith('interval bounds')
 
 
 def test_the_mean_of_a_four_stroke_is_over_two_turns():
