@@ -30,7 +30,7 @@ from fourbar_ros.mechanisms.parts import NoLoads
 from fourbar_ros.mechanisms.points import with_any_lengths
 from fourbar_ros.mechanisms.quadrature import nodes
 from fourbar_ros.mechanisms.quantities import Asked, OfDrive
-from fourbar_ros.numerics.arrays import Array
+from fourbar_ros.numerics.arrays import Array, EPS
 from fourbar_ros.numerics.number_types import Function, NumberType, Scalar
 from fourbar_ros.numerics.tables import run
 from fourbar_ros.numerics.trace import flat, Trace
@@ -52,6 +52,7 @@ TURN_NODES, RANGE_NODES, RESOLVED = 4096, 512, 1e-6
 # Derivatives on its sides are the same if their effects, when a parameter changes by its own size,
 # differ by less than this part of the largest, or of the measure.
 TIE = SAME = 1e-9
+FIXED = 8.0 * EPS       # by which an end of the stroke may be another input in another turn
 SAMPLES = 64            # inputs at which a quantity that is constant has derivatives
 LENGTHS = 'linkage.', 'dyads.', 'cylinder.'      # beginnings of the parameters that are lengths
 TOGGLE = 'the input ends at a toggle position, which has no formula'
@@ -318,7 +319,8 @@ class _OfMeasure:
             if np.isnan(of_value[~self._derivatives.leaves_branch]).any():
                 self._unknown(f'it has a kink or a jump at the input {self._shown(x)}')
             return of_input if self._is_of_inputs else of_value
-        if x in (self._linkage.stroke or ()):               # an end that stays where it is
+        if any(abs(self._linkage.distance(x, end)) <= FIXED * max(abs(x), abs(end))
+               for end in self._linkage.stroke or ()):      # an end that stays where it is
             _, slopes = self._derivatives.of(name, np.array([x]))
             return np.zeros_like(self._sizes) if self._is_of_inputs else slopes[:, 0]
         ends = self._linkage.pieces.ends if self._linkage.pieces else ()

@@ -328,6 +328,21 @@ def test_a_toggle_has_no_derivative_and_a_turn_none_but_zero():
     assert swing.by == {'linkage.a1': 0.0}
 
 
+@pytest.mark.parametrize('stroke', [[-0.5, 0.5], [6.0, 6.5], [-7.0, -6.0]])
+def test_an_end_of_the_stroke_is_one_in_every_turn(stroke):
+    """A difference over 1e-5 of a length has an error of about its square."""
+    study = from_document({'scene': 'paper', 'rows': 1, 'quantities': ['swing'],
+                           'vary': {'linkage.a2': {'uniform': 1e-6}}})
+    scene = from_values(study.values | {'linkage.range': stroke})
+    swing, = sensitivities(Derivatives(scene, ['linkage.a2']), study.measures)
+    swept, a2 = Design(scene).output_range, scene.values['linkage.a2']
+    # of the output between both inputs, as at an extremum inside it is level
+    inputs = swept.least_at[0], swept.most_at[0]
+    before, after = (np.ptp([from_values(scene.values | {'linkage.a2': length}).linkage.motion(
+        x).theta4 for x in inputs]) for length in (a2 * (1.0 - 1e-5), a2 * (1.0 + 1e-5)))
+    assert swing.by['linkage.a2'] == pytest.approx((after - before) / (2e-5 * a2), rel=1e-8)
+
+
 def test_what_has_no_derivative_is_refused():
     for name in ('linkage.mode', 'linkage.a5', 'bodies.crank.mass', 'linkage.offset'):
         scene = from_values(from_document({'scene': 'paper', 'rows': 1, 'quantities': ['swing'],
