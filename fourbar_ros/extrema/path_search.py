@@ -195,18 +195,25 @@ def jumps_along(sampler: DifferenceSampler, path: InputPath) -> list[float]:
     return [sampler.unit * x for x in np.unique(inputs).tolist()]
 
 
+def _rounding(values: Array) -> Array:
+    """Return what roundings that tables and functions bring may be, (rows,), of samples."""
+    # of the size of most samples, not of those beside a toggle
+    return FLAT * np.asarray(np.nanquantile(np.abs(values), 0.9, axis=1))
+
+
 def _missed(sampler: Sampler, samples: Samples, rows: Array, extrema: Sequence[PathExtremum]
             ) -> list[PathExtremum]:
     """Return the largest and the least sample of those of ``rows`` that no extremum reaches."""
     # but of angles, that may turn on
-    missed = list[PathExtremum]()
+    missed, rounding = list[PathExtremum](), _rounding(samples.values)
     for row in rows[~sampler.is_angle[rows]].tolist():
         for sense in (-1, 1):
             values = sense * samples.values[row]
             i = int(values.argmax())
             most = max([sense * extremum.value for extremum in extrema
                         if extremum.quantity == row and extremum.sense == sense], default=-inf)
-            if values[i] > most + samples.noise[row, i] + FLAT * np.abs(values[i]):
+            if values[i] > most + samples.noise[row, i] + max(rounding[row],
+                                                              FLAT * abs(values[i])):
                 missed.append(PathExtremum(row, sampler.fold(float(samples.path.x[i])),
                                            sense * float(values[i]), sense, misses=True))
     return missed
@@ -235,10 +242,8 @@ def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
                                                 for part in (values, slopes))
     if sampler.linkage.friction:
         v_before, v_after = v_before + tiny * s_before, v_after - tiny * s_after
-    noise = samples.noise[rows][:, before] + samples.noise[rows][:, after]
-    if isinstance(sampler, DifferenceSampler):      # nobody knows what a function adds up
-        noise = noise + FLAT * np.maximum(np.abs(v_before), np.median(
-            np.abs(samples.values[rows]), axis=1, keepdims=True))
+    noise = (samples.noise[rows][:, before] + samples.noise[rows][:, after]
+             + np.maximum(FLAT * np.abs(v_before), _rounding(samples.values[rows])[:, None]))
     away = v_after - v_before
     away = away - 2.0 * pi * np.round(away / (2.0 * pi)) * sampler.is_angle[rows, None]
     jumps = np.abs(away) > noise + 4.0 * tiny * (np.abs(s_before) + np.abs(s_after))

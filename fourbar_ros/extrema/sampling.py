@@ -371,7 +371,8 @@ class DifferenceSampler(Sampler):
     def steps(self, x: Array) -> tuple[Array, Array]:
         """Return where to take differences for x, off the ends of pieces, and their step."""
         i = np.clip(np.searchsorted(self._x, x), 1, self._x.size - 1)
-        spacing, k = self._x[i] - self._x[i - 1], np.searchsorted(self._cuts, x, side='right')
+        spacing = self._x[i] - self._x[i - 1]
+        k = np.searchsorted(self._cuts[1:-1], x, side='right') + 1      # also of NaN, of a kink
         low, high = self._cuts[k - 1], self._cuts[k]
         off = np.minimum(OFF_CUT * spacing, 0.25 * (high - low))
         x = np.clip(x, low + off, high - off)
