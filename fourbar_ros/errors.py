@@ -79,6 +79,9 @@ class InvalidParameter(FourBarError, ValueError):
                          else f'{name} = {_short(value)}: {allowed}')
 
 
+SPRING_ENDS_MEET = 'the ends of a spring meet there: it has no direction'
+
+
 class UnknownForce(InvalidParameter):
     """A spring or a user's force has no value at an input, so there are no loads there."""
 

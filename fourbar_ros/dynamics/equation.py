@@ -44,7 +44,7 @@ from functools import cached_property, partial
 from math import remainder, tau
 from typing import Any, NamedTuple
 
-from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.errors import InvalidParameter, SPRING_ENDS_MEET, UnknownForce
 from fourbar_ros.mechanics.bodies import Applied, Base, Body, field_of, NOT_APPLIED, unchecked
 from fourbar_ros.mechanisms.curves import FIXED, LinkMotion, point_of
 from fourbar_ros.mechanisms.elements import LinkAngle, PositionForce, TableForce
@@ -105,9 +105,14 @@ def compiled(make_formula: MakeFormula, links: DrivenLinks, count: int = 1) -> F
         try:
             of_one: Sequence[Any] = line(float(position), *others)
             return of_one
+        except UnknownForce:        # of a user's function
+            raise
         except (ValueError, ZeroDivisionError):
             links.motion(float(position), 1.0, 0.0)     # its error names the input
-            raise
+            if not links.elements:
+                raise
+            raise UnknownForce(links.input_coordinate.position, position,
+                               SPRING_ENDS_MEET) from None
     return results
 
 

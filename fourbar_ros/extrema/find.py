@@ -238,9 +238,9 @@ class Search:
                 paths = input_paths(linkage, SAMPLES, within, poles, pieces)
                 if isinstance(sampler, DifferenceSampler) and (jumps := [
                         jump for path in paths for jump in jumps_along(sampler, path)]):
-                    ends, branch_points = pieces or Pieces((), ())
-                    paths = input_paths(linkage, SAMPLES, within, poles, Pieces(
-                        (*ends, *jumps), branch_points))
+                    known = pieces or Pieces()
+                    paths = input_paths(linkage, SAMPLES, within, poles, known._replace(
+                        ends=(*known.ends, *jumps)))
                 self._groups.append((sampler, rows, paths))
         self.paths = [path for *_, paths in self._groups for path in paths]
 

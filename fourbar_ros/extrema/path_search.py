@@ -55,6 +55,8 @@ BESIDE = 2.0**-6
 BESIDE_CUT = 2.0**-46
 # The same where friction jumps: nearer to it the relative rate of a joint may be rounding.
 BESIDE_JUMP = 2.0**-34
+# The same where the ends of a spring meet: its direction is rounding over its length.
+BESIDE_MEETING = 2.0**-18
 # Values that differ by less, as a part of them, are a constant at the end of a path.
 FLAT = 2.0**-40
 # Jumps of functions that are smaller, as a part of their values, are not looked for. Halvings of
@@ -240,7 +242,7 @@ def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
     values, slopes, _ = sampler.sample(np.concatenate((cuts - tiny, cuts + tiny)))
     (v_before, v_after), (s_before, s_after) = (np.split(part[rows], 2, axis=1)
                                                 for part in (values, slopes))
-    if sampler.linkage.friction:
+    if tiny >= BESIDE_JUMP:
         v_before, v_after = v_before + tiny * s_before, v_after - tiny * s_after
     noise = (samples.noise[rows][:, before] + samples.noise[rows][:, after]
              + np.maximum(FLAT * np.abs(v_before), _rounding(samples.values[rows])[:, None]))
@@ -283,6 +285,8 @@ def _at_cuts(sampler: Sampler, samples: Samples, rows: Array
 def _beside_cut(sampler: Sampler, path: InputPath) -> float:
     """Return how far beside the ends of pieces values are taken, in the unit of the input."""
     tiny = BESIDE_CUT * float(np.abs(path.x).max())         # ends are found at any turn
+    if sampler.linkage.pieces and sampler.linkage.pieces.meetings:
+        return BESIDE_MEETING
     return max(tiny, BESIDE_JUMP) if sampler.linkage.friction else tiny
 
 
@@ -348,7 +352,8 @@ def _roots(sampler: Sampler, samples: Samples, rows: Array, brackets: Sequence[A
         spacing = np.append(spacing, np.full(len(kinks), nan))
     # of the input as it is reported, where ``step`` has the same value
     value = sampler.values(sampler.fold(root))[row, np.arange(row.size)]
-    if kinks and sampler.linkage.friction:        # at the end itself a joint is at rest
+    if kinks and _beside_cut(sampler, samples.path) >= BESIDE_JUMP:
+        # at the end itself a joint is at rest, or a spring has no direction
         value[-len(kinks):] = [kink.values[0] for kink in kinks]
     rounding, noise = (PART_OF_NOISE * np.maximum(errors[row, i], errors[row, (i + 1) % x.size])
                        for errors in (samples.rounding, samples.noise))

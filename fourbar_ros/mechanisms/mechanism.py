@@ -389,9 +389,8 @@ class Mechanism(MechanismGeometry):
             motion = self.motion(position, rate, acceleration)      # its error, if it has one
             if not (self.elements and isfinite(motion.condition)):
                 raise self._why_no_motion(position) from None
-            raise errors.UnknownForce(
-                self.input_coordinate.position, position, 'the ends of a spring meet there: it '
-                'has no direction') from None
+            raise errors.UnknownForce(self.input_coordinate.position, position,
+                                      errors.SPRING_ENDS_MEET) from None
         if sum(loads) * 0.0 != 0.0:          # one is not finite, or nearly so
             raise self._why_no_loads(motion)
         return as_motion(motion), as_loads(loads)

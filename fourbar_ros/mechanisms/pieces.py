@@ -6,7 +6,8 @@ Where loads over the input are not smooth: the ends of pieces that springs and f
 A force table is one polynomial between two of its points, and a torsion spring jumps where its
 deflection has made half a turn. So the input is cut where the position s of a table comes to one
 of its points, or an angle comes round. Springs besides have branch points where their length is
-zero: those at complex inputs near the real ones are given too, as quantities change fast there.
+zero: at real inputs both ends meet, and the force jumps to the opposite direction; those at
+complex inputs near the real ones are given too, as quantities change fast there.
 """
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
@@ -32,6 +33,7 @@ CLOSER = 2.0**-np.arange(16.0, 46.0)    # of a range: distances of more samples 
 STEP = 2.0**-200        # of derivatives by a complex step
 TOUCHING = 1e-9         # of a turn or range: nearer ends of pieces are one
 BESIDE = 1e-10          # ... distance of samples beside them
+MEETING = 2.0**-40      # of the largest distance of two points: nearer to each other they meet
 TOGETHER = 2**13        # inputs that are evaluated at once: they stay in the cache of a processor
 FARTHEST = 1.0          # [rad] distance from the real inputs at which branch points still matter
 
@@ -54,8 +56,9 @@ EDGE = CutValue(lambda n, moving, x: x, np.zeros(1), inf)    # of friction: at i
 class Pieces(NamedTuple):
     """Inputs within a cycle from -half of it on, or in the ranges, [rad] or [m]."""
 
-    ends: tuple[float, ...]             # between which all loads are smooth, in order
-    branch_points: tuple[complex, ...]  # of springs, beside the real inputs
+    ends: tuple[float, ...] = ()        # between which all loads are smooth, in order
+    branch_points: tuple[complex, ...] = ()     # of springs, beside the real inputs
+    meetings: tuple[float, ...] = ()    # those ends at which both ends of a spring meet
 
 
 class CutCurves:
@@ -127,7 +130,8 @@ def _trace_of_curves(formula: Formula, with_edges: bool) -> Trace:
 
 
 def pieces_of(mechanism: Mechanism) -> Pieces:
-    ends, branch_points, low, high = list[float](), list[complex](), 0.0, 0.0
+    ends, meetings, branch_points = list[float](), list[float](), list[complex]()
+    low, high = 0.0, 0.0
     curves = CutCurves(mechanism, mechanism.constants)
     for low, high in ranges_of(mechanism) if curves.order else ():
         x = _samples(mechanism, low, high)
@@ -141,13 +145,18 @@ def pieces_of(mechanism: Mechanism) -> Pieces:
                 least, turn = (_turning_points(values, x, slope[0], before),
                                2.0**-12 * (x[before + 1] - x[before]))
                 rise = values(least + turn, least)[1] - values(least - turn, least)[1]
+                square = values(least, least)[0]
+                meets = square <= MEETING**2 * np.nanmax(s)
+                meetings += least[meets].tolist()
                 with np.errstate(invalid='ignore'):     # where it is largest there is no root
-                    away = np.sqrt(4.0 * turn * values(least, least)[0] / rise)
-                branch_points += [complex(*z) for z in zip(least.tolist(), away.tolist())
+                    away = np.sqrt(4.0 * turn * square / rise)
+                branch_points += [complex(*z) for z in zip(least[~meets].tolist(),
+                                                           away[~meets].tolist())
                                   if z[1] < FARTHEST * mechanism.input_unit]
             else:
                 ends += _ends(curves, k, x, rows, s[0], slope[0])[0].tolist()
-    return Pieces(_apart(mechanism, ends, low, high), tuple(branch_points))
+    return Pieces(_apart(mechanism, [*ends, *meetings], low, high), tuple(branch_points),
+                  tuple(meetings))
 
 
 def span_of(mechanism: Mechanism, of: Callable[[elements.LinkMotions, Any], Any]
@@ -172,7 +181,7 @@ def span_of(mechanism: Mechanism, of: Callable[[elements.LinkMotions, Any], Any]
 
 def inside_pieces(mechanism: Mechanism) -> Array:
     """Return inputs over the whole input, one in each piece at least, none at their ends."""
-    ends, inputs = (mechanism.pieces or Pieces((), ())).ends, list[Array]()
+    ends, inputs = (mechanism.pieces or Pieces()).ends, list[Array]()
     for low, high in ranges_of(mechanism):
         x = np.union1d(_samples(mechanism, low, high), (low, high, *ends))
         x = x[(x >= low) & (x <= high)]
@@ -184,10 +193,10 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
     """Return the pieces of a mechanism with friction at a rate and acceleration of the input."""
     # Loads jump where the relative rate of a joint changes its sign, and then the slopes of loads
     # where what a guide bears does.
-    ends, branch_points = mechanism.pieces or Pieces((), ())
+    pieces = mechanism.pieces or Pieces()
     if not rates[0]:
-        return Pieces(ends, branch_points)
-    curves, every = CutCurves(mechanism, mechanism.constants, 1, rates), list(ends)
+        return pieces
+    curves, every = CutCurves(mechanism, mechanism.constants, 1, rates), list(pieces.ends)
     for low, high in ranges_of(mechanism):
         for k in curves.order:
             if curves.coordinates[k] is not EDGE:
@@ -201,7 +210,7 @@ def with_friction(mechanism: Mechanism, rates: tuple[float, float]) -> Pieces:
             x, s, slope = (values[np.isfinite(s)] for values in (x, s, slope))
             every += _ends(curves, k, x, np.zeros(x.size, int), s, slope)[0].tolist()
         every = list(_apart(mechanism, every, low, high))
-    return Pieces(tuple(every), branch_points)
+    return pieces._replace(ends=tuple(every))
 
 
 def _samples(mechanism: Mechanism, low: float, high: float) -> Array:

@@ -15,6 +15,7 @@ from fourbar_ros import (
     SliderCrank,
 )
 from fourbar_ros.dynamics import Equation, flywheel_for
+from fourbar_ros.errors import UnknownForce
 from fourbar_ros.extrema import find_extrema, OverInput
 from fourbar_ros.mechanisms.elements import (
     Attachment,
@@ -414,6 +415,38 @@ def press(**changes):
         elements=(Spring(Attachment(), ram, 4000.0, free_length=0.06),
                   PositionForce(ram, cut, Way(ram), when='forward')),
         friction={'O1': pin, 'A': pin, 'B': pin, 'guide': JointFriction(0.1)}), **changes)
+
+
+@pytest.mark.parametrize('place', [0.0, 0.7, 1.0, 2.0])
+def test_a_spring_whose_ends_meet_jumps_there(place):
+    """It pulls the crank forward, then back: values at 2^-18 rad, extrapolated with slopes."""
+    pull, a1 = 100.0, 0.4
+    free = FourBar(a1, 1.2, 0.8, 1.0, bodies=Bodies(*[round_rod(length, 7750.0, 0.01)
+                                                      for length in (a1, 1.2, 0.8)]))
+    linkage = free.with_elements(Spring(
+        Attachment('ground', a1 * np.cos(place), a1 * np.sin(place)), Attachment('crank', a1),
+        preload=pull))
+    rest = free.loads(place, 1.0).driving_torque
+    for asked in ('driving_torque', beside('driving_torque')):
+        found = find_extrema(linkage, asked)
+        below, above = sorted([each for each in found if each.place == 'limit'],
+                              key=lambda each: each.side)
+        for each, torque in ((below, -pull * a1), (above, pull * a1)):
+            assert each.theta1 == pytest.approx(place, abs=1e-12)
+            assert each.value - rest == pytest.approx(torque, rel=2.0**-36)
+        values = linkage.loads(np.linspace(-pi, pi, SCAN)[1:-1], 1.0).driving_torque
+        assert min(each.value for each in found) <= np.nanmin(values)
+        assert max(each.value for each in found) >= np.nanmax(values)
+        assert len(found) <= 6 and not any(each.proof for each in found)
+
+
+def test_no_equation_of_motion_holds_where_the_ends_of_a_spring_meet():
+    bodies = Bodies(*[round_rod(length, 7750.0, 0.01) for length in (0.4, 1.2, 0.8)])
+    linkage = FourBar(0.4, 1.2, 0.8, 1.0, bodies=bodies, elements=(Spring(
+        Attachment('ground', 0.4 * np.cos(1.0), 0.4 * np.sin(1.0)), Attachment('crank', 0.4),
+        preload=1.0),))
+    with pytest.raises(UnknownForce, match='the ends of a spring meet there'):
+        Equation(linkage).terms(1.0)
 
 
 def test_a_cut_acts_on_the_way_down_alone():
