@@ -20,6 +20,7 @@ from fourbar_ros.extrema.path_search import jumps_along, PathExtremum, search_pa
 from fourbar_ros.extrema.proof import NOT_PROVED, Proof, prove
 from fourbar_ros.extrema.sampling import DifferenceSampler, Sampler
 from fourbar_ros.mechanisms import quantities as table
+from fourbar_ros.mechanisms.elements import UserForce
 from fourbar_ros.mechanisms.mechanism import Mechanism
 from fourbar_ros.mechanisms.parts import NoLoads, Quantity
 from fourbar_ros.mechanisms.pieces import Pieces
@@ -215,8 +216,11 @@ class Search:
                     f'{in_words(locked, linkage.input_coordinate.unit)}: loads have extrema only '
                     'between inputs without any such')
             every_pieces = with_friction(linkage, rates)
+        of_users = any(isinstance(getattr(element, 'value', None), UserForce)
+                       for element in linkage.elements)
         rough = [row for row, quantity in enumerate(quantities)
-                 if isinstance(quantity, Function) and not quantity.is_smooth]
+                 if isinstance(quantity, Function) and not quantity.is_smooth
+                 or of_users and quantity.is_load]
         smooth = [row for row in range(len(quantities)) if row not in rough]
         self.unresolved = unresolved(linkage)
         # quantities that have poles at the same inputs, if any, are searched together: their
@@ -371,10 +375,11 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
             raise table.UnknownQuantity(quantity.name, fields)
     names = [quantity for quantity in quantities if isinstance(quantity, str)]
     named = iter(table.select(names, linkage) if names else ())
-    every = [next(named) if isinstance(quantity, str) else
-             quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
-             Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '',
-                      quantity) for quantity in quantities]
+    every: list[Named] = [
+        next(named) if isinstance(quantity, str) else
+        quantity if hasattr(quantity, 'of') or isinstance(quantity, OfDrive) else
+        Function(getattr(quantity, '__name__', 'quantity'), getattr(quantity, 'unit', ''), '',
+                 quantity) for quantity in quantities]
     return [each._replace(is_load=_reads_loads(each.of, linkage))
             if isinstance(each, Function) and not each.is_load else each for each in every]
 

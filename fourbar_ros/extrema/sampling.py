@@ -46,8 +46,8 @@ STEP, LEAST_LENGTH = 2.0**-200, 2.0**-768
 # distance to the next change point, where everything changes; but never lost in rounding.
 MOST_CHANGE, PART, LEAST_CHANGE = 2.0**-26, 2.0**-10, 2.0**-46
 SAME_TURN = 2.0**-30        # middles of angles that differ by less, as part of a turn, are alike
-# Step of real differences of fourth order, in samples: their error is about as large as rounding.
-DIFFERENCE = 2.0**-6
+# Step of real differences, in samples: their error is about as large as rounding.
+DIFFERENCE = 2.0**-11
 # Of values of a function: it has a pole where it is less beside, at a fraction of a sample.
 POLE = 2.0**-20
 OFF_CUT = 2.0**-12      # how far off the end of a piece they are taken at least, in samples
@@ -325,7 +325,7 @@ class Sampler:
 class DifferenceSampler(Sampler):
     """The same for quantities without a complex step: derivatives by differences."""
 
-    TURN = DIFFERENCE
+    TURN = 2.0**-6
 
     _x: Array                # samples of the path in rising order
     _cuts: Array             # where pieces end on it, -inf and inf: no difference reaches over one
@@ -379,12 +379,12 @@ class DifferenceSampler(Sampler):
         return x, np.minimum(DIFFERENCE * spacing, 0.25 * np.minimum(x - low, high - x))
 
     def value_and_slope(self, x: Array, row: Array) -> tuple[Array, Array]:
-        """Return value and derivative by the five-point formula, of error step^4."""
+        """Return value and derivative: its mean between two points, of the sign it has there."""
         near, h = self.steps(x)
-        points = np.concatenate((x, near + h, near - h, near + 2.0 * h, near - 2.0 * h), axis=-1)
-        value, *around = np.split(self.values(points)[np.tile(row, 5), ...,
-                                                      np.arange(5 * row.size)], 5)
-        return value, (8.0 * (around[0] - around[1]) - (around[2] - around[3])) / (12.0 * h.T)
+        points = np.concatenate((x, near - h, near + h), axis=-1)
+        value, low, high = np.split(
+            self.values(points)[np.tile(row, 3), ..., np.arange(3 * row.size)], 3)
+        return value, (high - low) / (2.0 * h.T)
 
     def by_lengths(self, x: Array, row: Array) -> Array:
         # Steps are parts of the distances to a change point and to lengths that cannot close,

@@ -287,6 +287,14 @@ def test_function_that_jumps_counts_on_both_sides(within, certify):
     assert all(each.proof.startswith('interval bounds') == certify for each in (most, least))
 
 
+def test_function_that_begins_on_a_plateau_has_no_extremum_at_its_corner():
+    rate = find_extrema(FourBar(*PAPER), 'omega4')
+    most, least = find_extrema(FourBar(*PAPER), lambda motion, loads: np.maximum(
+        motion.omega4, 0.0))
+    assert most.value == pytest.approx(max(e.value for e in rate), rel=16 * EPS)
+    assert least.value == 0.0 and most.is_global and least.is_global and not most.proof
+
+
 @pytest.mark.parametrize('power', [1, 2])
 def test_function_with_poles_is_refused(power):
     with pytest.raises(InvalidParameter, match='without bound beside the input [04]'):
@@ -296,7 +304,7 @@ def test_function_with_poles_is_refused(power):
 def test_function_whose_samples_no_extremum_reaches_is_not_certain():
     """It turns on plateaus, where no slope changes its sign."""
     most, least = find_extrema(FourBar(*PAPER), lambda motion, loads: np.tanh(
-        1e4 * (motion.theta4 - 1.5)))
+        1e6 * (motion.theta4 - 1.5)))
     assert (most.value, least.value) == (1.0, -1.0)
     for extremum in most, least:
         assert extremum.proof == 'not certain: extrema are missing' and not extremum.is_global

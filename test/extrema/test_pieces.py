@@ -32,6 +32,7 @@ import numpy as np
 import pytest
 from support.samples import more
 
+EPS = 2.0**-52
 TURN = 2.0 * pi
 MACHINES = 'watt', 'quick_return', 'bucket'
 SCAN = 24001            # samples of a scan, per turn or range
@@ -415,6 +416,26 @@ def press(**changes):
         elements=(Spring(Attachment(), ram, 4000.0, free_length=0.06),
                   PositionForce(ram, cut, Way(ram), when='forward')),
         friction={'O1': pin, 'A': pin, 'B': pin, 'guide': JointFriction(0.1)}), **changes)
+
+
+def test_a_force_of_a_function_has_its_peak_at_a_corner_and_counts_on_both_sides_of_a_step():
+    """Light links: the load without it, at that input, differs in its last bits alone."""
+    free = FourBar(0.4, 1.2, 0.8, 1.0, bodies=Bodies(*[round_rod(length, 7.0, 0.01)
+                                                       for length in (0.4, 1.2, 0.8)]))
+
+    def torque_of(force):
+        linkage = free.with_elements(PositionForce(Attachment('crank'), force, 'input', None))
+        return find_extrema(linkage, 'driving_torque')
+    peak = min(torque_of(lambda s: 1e3 * max(0.0, min((s % TURN - 1.0) / 0.5,
+                                                      (1.7 - s % TURN) / 0.2))),
+               key=lambda each: each.value)
+    assert peak.theta1 == pytest.approx(1.5, abs=4.0 * EPS) and peak.is_global and not peak.proof
+    assert peak.value - free.loads(1.5, 1.0).driving_torque == pytest.approx(-1e3, rel=LOST)
+    least, most = torque_of(lambda s: 50.0 * ((s - 1.0) % TURN) / TURN)
+    rest = free.loads(1.0, 1.0).driving_torque
+    for each, side, torque in ((least, -1, -50.0), (most, 1, 0.0)):
+        assert (each.place, each.side) == ('limit', side) and each.is_global and not each.proof
+        assert each.value - rest == pytest.approx(torque, abs=LOST)
 
 
 @pytest.mark.parametrize('place', [0.0, 0.7, 1.0, 2.0])
