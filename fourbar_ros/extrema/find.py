@@ -386,13 +386,14 @@ def resolve(quantities: Any, linkage: Mechanism) -> list[Named]:
 
 def _reads_loads(of: Callable[..., Any], linkage: Mechanism) -> bool:
     """Return whether a function (motion, loads) reads loads, which may repeat after more turns."""
-    # at all samples, one by one if it is a function of plain numbers
+    # at all samples, one by one if it is a function of plain numbers; no rate is zero
     x = nodes(linkage, SAMPLES)[0]
-    motion = linkage.motion(x)
+    motion = linkage.motion(x, 1.0, 1.0)
     columns = [np.broadcast_to(field, x.shape).tolist() for field in motion]
     for each in (motion, *map(linkage.MOTION._make, zip(*columns))):
         try:
-            of(each, NoLoads())
+            with np.errstate(all='ignore'):
+                of(each, NoLoads())
         except MissingBodies:
             return True
         except Exception:       # it may raise anything: the search says what
