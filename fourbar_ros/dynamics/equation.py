@@ -109,7 +109,7 @@ def compiled(make_formula: MakeFormula, links: DrivenLinks, count: int = 1) -> F
             raise
         except (ValueError, ZeroDivisionError):
             links.motion(float(position), 1.0, 0.0)     # its error names the input
-            if not links.elements:
+            if not (isinstance(links, Mechanism) and links.elements):
                 raise
             raise UnknownForce(links.input_coordinate.position, position,
                                SPRING_ENDS_MEET) from None
