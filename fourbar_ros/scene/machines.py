@@ -3,11 +3,13 @@
 """The machine of dyads that the parameters of a scene describe."""
 from collections.abc import Iterator, Sequence
 from math import isnan
+from typing import Any
 
 from fourbar_ros.errors import InvalidParameter, nearest
+from fourbar_ros.mechanics.bodies import Body
 from fourbar_ros.mechanisms.curves import Point
-from fourbar_ros.mechanisms.machine.description import ANGLES, Cylinder, Dyad
-from fourbar_ros.mechanisms.machine.machine import Machine
+from fourbar_ros.mechanisms.machine.description import ANGLES, by_link, Cylinder, Dyad
+from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
 from fourbar_ros.mechanisms.machine.solve.pairs import slides_of
 from fourbar_ros.mechanisms.machine.structure import BASE, CYLINDER, DyadLengths, SLIDES
 from fourbar_ros.mechanisms.machine.structure import DIMENSIONS as OF_KIND
@@ -137,6 +139,11 @@ def slides_in(machine: Mechanism, lengths: Sequence[DyadLengths] = ()
     for stage, of_dyad in zip(machine.layout.stages, lengths):
         for link, (carrier, point, along) in slides_of(stage, of_dyad):
             yield links[link], Point(links[carrier], *point), along
+
+
+def bodies_of(machine: Machine, bodies: dict[str, Body] | None) -> Any:
+    """Return the bodies of all links, massless where there is none; None for None."""
+    return by_link('bodies', bodies, Body, machine.BODIES, NO_BODY)
 
 
 def hanging_point(name: str, values: ParameterValues, n: NumberType = REAL) -> Point:

@@ -53,15 +53,14 @@ def constants_of(scene: Scene, values: ParameterValues, n: NumberType = ARRAY) -
             lengths=tuple([values[f'linkage.{name}'] for name in linkage.length_names]),
             elements=elements_of(scene, values, n),
             bodies=None if bodies is None else linkage.BODIES(**bodies))
-    from fourbar_ros.mechanisms.machine.description import by_link
-    from fourbar_ros.mechanisms.machine.machine import Machine, NO_BODY
+    from fourbar_ros.machine import Machine
     from fourbar_ros.scene import machines
     assert isinstance(linkage, Machine)
     lengths = machines.lengths_of(linkage, values, n)
     return constants._replace(
         lengths=lengths,
         elements=elements_of(scene, values, n, machines.slides_in(linkage, lengths)),
-        bodies=by_link('bodies', bodies, Body, linkage.BODIES, NO_BODY))
+        bodies=machines.bodies_of(linkage, bodies))
 
 
 def elements_of(scene: Scene, values: ParameterValues, n: NumberType,
