@@ -227,7 +227,7 @@ class Transmission:
     # --- rates and efforts ----------------------------------------------------------------------
 
     def _require_sum_of_efforts(self) -> None:
-        """Refuse efforts where (U3) does not hold: InvalidParameter."""
+        """Refuse efforts that are no sum of those of links and output: InvalidParameter."""
         from fourbar_ros.mechanisms.friction import dry_joints  # few mechanisms have any
         if dry := dry_joints(self.mechanism):
             raise InvalidParameter('effort', None, 'must be left out, in a scene of '
