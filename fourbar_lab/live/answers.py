@@ -183,7 +183,8 @@ def run_answer(scene: Scene, until: float) -> Answer:
     """Return some thousand samples of a run from torque, simulated until a time [s]."""
     simulated = simulate_scene(scene, until, TOLERANCE, seconds=LONGEST)
     run = simulated.run
-    every = slice(None, None, 1 + run.time.size // 1000)
+    last = run.time.size - 1
+    every = [*range(0, last, 1 + run.time.size // 1000), last]
     words = f'{run.status}: {run.reason or f"{run.time[-1]:g} s, error up to {run.error:.2g}"}'
     if np.ptp(run.modes):
         raise InvalidParameter('drive.source', scene.drive.source, 'the run goes through both '

@@ -15,6 +15,7 @@ from fourbar_lab.live.answers import (
     answered,
     extrema_answer,
     quantities_of,
+    run_answer,
     scene_of,
     structure_of,
 )
@@ -245,6 +246,14 @@ def test_masses_beyond_all_numbers_are_said():
     values = {**load_scene('paper').values, 'bodies.rods.density': 1e-308}
     scene = nested({name: value for name, value in values.items() if value == value})
     assert 'too heavy or too light' in answered('structure', {'scene': scene})['problem']
+
+
+def test_a_run_goes_to_its_last_moment():
+    """Of every second sample the last one could be missing: where it locks, or ends."""
+    answer = run_answer(load_scene('released'), 2.002)
+    assert answer['time'][-1] == 2.002 and len({*map(len, (
+        answer[name] for name in ('time', 'input', 'rate', 'acceleration')))}) == 1
+    assert all(one < two for one, two in zip(answer['time'], answer['time'][1:]))
 
 
 def test_a_package_that_an_answer_needs_is_named(monkeypatch):
