@@ -144,7 +144,7 @@ def _inertia(linkage: Mechanism) -> LinkageRecord:
     """Return least, largest and mean inertia at the input [kg m^2 or kg] and where they are."""
     inertia = OverInput(linkage, 'inertia')
     least, most = inertia.least, inertia.most
-    if not (least and most):
+    if not (least and most) or most.value < np.finfo(float).tiny:     # which has few digits
         raise InvalidParameter('bodies', None, 'too heavy or too light: the inertia at the input '
                                'is beyond all numbers')
     return _ends(linkage, least, most) | {
