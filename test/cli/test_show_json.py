@@ -91,7 +91,7 @@ def test_extrema_of_a_part_of_the_input_have_its_ends(capsys):
                                                         '--to=40')
     for wrong, why in ((['--from', '30'], '--from, --to: one needs the other'),
                        (['--from=3mm', '--to=4'], '--from has a unit of the kind m;'),
-                       (['--from=30', '--to=20'], 'the lower one first')):
+                       (['--from=30', '--to=20'], '--from = 30.0: must be below --to')):
         assert main(['show', 'paper', *wrong]) != 0
         assert why in capsys.readouterr().err
 
