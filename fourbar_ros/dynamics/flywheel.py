@@ -23,6 +23,7 @@ from typing import NamedTuple
 
 from fourbar_ros.dynamics.equation import Equation, require_input
 from fourbar_ros.errors import InvalidParameter
+from fourbar_ros.mechanisms.quadrature import gauss
 from fourbar_ros.notebook import short_repr
 from fourbar_ros.numerics.arguments import FASTEST, finite, rate_of_input
 from fourbar_ros.numerics.arrays import Array
@@ -33,7 +34,6 @@ SAMPLES, MOST_SAMPLES = 1024, 2**18     # of a turn
 NARROWEST = 16.0       # samples times the distance of a singularity from the real inputs
 CHANGES = 1e-6         # of the inertia by twice the samples, at which it counts as converged
 MOST_CHANGE = 1e-4     # the same, at most samples
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)
 # Rounds of motion and torque at most; error of the rates, over their mean, that may be left.
 ROUNDS, RESOLVED = 300, 1e-6
 
@@ -97,8 +97,9 @@ def _with_samples(equation: Equation, count: int, rate: float, most: float) -> F
     # left out, exact however narrow the pieces are. The speed may have an extreme there too.
     inputs = np.union1d(position, np.mod(ends, cycle))
     spans = np.diff(inputs, append=cycle)
-    nodes = inputs + np.multiply.outer(0.5 * (1.0 + NODES), spans)
-    work = spans * (0.5 * WEIGHTS @ equation.terms(nodes).force)
+    roots, weights = gauss(3)
+    nodes = inputs + np.multiply.outer(0.5 * (1.0 + roots), spans)
+    work = spans * (0.5 * weights @ equation.terms(nodes).force)
     torque_at_rest = -float(np.sum(work)) / cycle
     work_before = np.cumsum([0.0, *(work + torque_at_rest * spans)])[:-1]
     is_sample = np.isin(inputs, position)

@@ -10,6 +10,7 @@ input (:mod:`.piece_steps`). DOP853 integrates, or LSODA where friction makes th
 """
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -168,7 +169,7 @@ def integrate(work: Work, integration: Integration) -> Iterator[Leg]:
             if first == 0.0:
                 stop_value = _unless_zero(stop(first, np.array(state)), nan)
             events.append(Event(stop, EVENT, before=stop_value))
-        last = next(time for time in jumps if time > first)
+        last = jumps[bisect_right(jumps, first)]
         # where steps in the input have ended, a leg in time goes on to the end of the piece
         was_in_input, leg = leg is not None and isinstance(leg.between, BetweenSteps), None
         if equation.has_position_forces:

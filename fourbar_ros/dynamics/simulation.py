@@ -121,10 +121,8 @@ def _checked(work: Work, method: str, tolerance: float) -> Run:
 
 def _first_run(work: Work, method: str, tolerance: float, explicit: str = 'DOP853') -> Run:
     """Return a run; of 'auto' by LSODA if the system is stiff or the explicit method struggles."""
-    if method not in ('auto', 'DOP853'):
-        return _run(work, Integration(method, tolerance))
-    if method == 'DOP853':
-        return _run(work, Integration(explicit, tolerance))
+    if method != 'auto':
+        return _run(work, Integration(explicit if method == 'DOP853' else method, tolerance))
     lsoda = Integration('LSODA', tolerance)
     if _is_stiff(work.system, work.until):
         return _run(work, lsoda)

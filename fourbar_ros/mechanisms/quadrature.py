@@ -23,7 +23,7 @@ POINTS, MOST, AGREE = 128, 512, 1e-12
 # both halves together agree with the whole: at most so many times, so many parts at once.
 POINTS_OF_PART, HALVINGS, PARTS = 16, 60, 4096
 
-_gauss = lru_cache(maxsize=8)(np.polynomial.legendre.leggauss)      # points -> roots, weights
+gauss = lru_cache(maxsize=8)(np.polynomial.legendre.leggauss)      # points -> roots, weights
 
 
 def smooth_ranges(mechanism: Mechanism, ends: Sequence[float] = (), ranges: Ranges = ()) -> Ranges:
@@ -59,7 +59,7 @@ def nodes(mechanism: Mechanism, points: int, ranges: Ranges = ()) -> tuple[Array
     ranges = ranges or smooth_ranges(mechanism)
     if mechanism.pieces:        # there may be hundreds, and more points are more in each
         points = max(points // len(ranges), round(POINTS_OF_PART * sqrt(points / POINTS)))
-    roots, weights = _gauss(min(points, MOST_OF_RANGE))
+    roots, weights = gauss(min(points, MOST_OF_RANGE))
     phi = 0.5 * pi * roots
     whole = sum(high - low for low, high in ranges)
     x = [0.5 * (low + high) + 0.5 * (high - low) * np.sin(phi) for low, high in ranges]
@@ -89,7 +89,7 @@ def mean_over_input(mechanism: Mechanism, values_at: Callable[[Array], Array],
 def _mean_by_parts(values_at: Callable[[Array], Array], ranges: Ranges, least_size: Array
                    ) -> Array:
     """Return the means of functions as :func:`mean_over_input`, from parts that are halved."""
-    roots, weights = _gauss(POINTS_OF_PART)
+    roots, weights = gauss(POINTS_OF_PART)
     low, high = np.repeat(np.array(ranges).T, 4, axis=1)
     first = np.tile(0.25 * pi * np.arange(-2, 2), len(ranges))
     last = first + 0.25 * pi
